@@ -1,0 +1,73 @@
+"""Aureole: the light that a camera or an eye adds to a picture, from physics.
+
+Rooms (imports go one way, from the bottom of this list to the top):
+
+records       the records that flow between rooms
+units         lengths and angles as people write them
+refuse        one voice for refusals
+light         wavelength to colour
+aperture      what blocks the light
+picture       pictures in and out, convolution, display
+presets       named irises, cameras and jobs, as data
+diffraction   how a blocked wave spreads
+glare         point spread functions and compositing
+jobs          what the command line and other faces call
+cli           the command `aureole`
+"""
+
+import importlib
+import os
+from typing import TYPE_CHECKING, Any
+
+# Idle OpenMP threads that spin starve the FFT's own threads, so they are asked to sleep.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+os.environ.setdefault("GOMP_SPINCOUNT", "0")
+
+from aureole.records import (
+    Aperture,
+    Camera,
+    Field,
+    Grid,
+    Light,
+    Outline,
+    Pattern,
+    Picture,
+    Spectrum,
+    Stage,
+)
+from aureole.refuse import Refusal
+
+if TYPE_CHECKING:
+    from aureole import aperture, diffraction, glare, jobs, light, picture, presets
+
+__version__ = "0.1.0"
+
+_ROOMS = ("aperture", "diffraction", "glare", "jobs", "light", "picture", "presets")
+
+__all__ = [
+    "Aperture",
+    "Camera",
+    "Field",
+    "Grid",
+    "Light",
+    "Outline",
+    "Pattern",
+    "Picture",
+    "Refusal",
+    "Spectrum",
+    "Stage",
+    "aperture",
+    "diffraction",
+    "glare",
+    "jobs",
+    "light",
+    "picture",
+    "presets",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a room when it is first asked for, so that `import aureole` stays quick."""
+    if name in _ROOMS:
+        return importlib.import_module(f"aureole.{name}")
+    raise AttributeError(f"module 'aureole' has no attribute '{name}'")
