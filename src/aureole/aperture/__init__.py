@@ -1,1 +1,51 @@
-"""aperture"""
+"""What blocks the light: openings with exact outlines, raster masks, and their composition.
+
+In: sizes in metres, angles in radians, masks, pictures. Out: `aureole.Aperture` records and masks.
+
+shapes     circle, rectangle, iris, polygon, whirl: openings whose edges are known exactly
+masks      from_mask, from_picture and rasterize: between openings and pixels
+compose    union, intersection, subtraction, dimmed, scaled, moved, rotated
+geometry   arcs, chords, areas and moments of outlines, for the rooms above
+"""
+
+from aureole.aperture.compose import dimmed, intersection, moved, rotated, scaled, subtraction, union
+from aureole.aperture.geometry import (
+    Circle,
+    arc_of,
+    area,
+    as_circle,
+    boundary_nodes,
+    chords,
+    energy,
+    orientation,
+    ring_moments,
+)
+from aureole.aperture.masks import from_mask, from_picture, rasterize
+from aureole.aperture.shapes import circle, iris, polygon, rectangle, whirl
+
+__all__ = [
+    "Circle",
+    "arc_of",
+    "area",
+    "as_circle",
+    "boundary_nodes",
+    "chords",
+    "circle",
+    "dimmed",
+    "energy",
+    "from_mask",
+    "from_picture",
+    "intersection",
+    "iris",
+    "moved",
+    "orientation",
+    "polygon",
+    "rasterize",
+    "rectangle",
+    "ring_moments",
+    "rotated",
+    "scaled",
+    "subtraction",
+    "union",
+    "whirl",
+]

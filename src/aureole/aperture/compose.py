@@ -1,0 +1,299 @@
+"""Openings from openings: union, intersection, subtraction, and moving them about.
+
+With transmittances a and b at a point, the intersection lets through a·b, the subtraction
+a·(1 − b) and the union 1 − (1 − a)·(1 − b). Rings add up, so all three follow from products of
+rings. A ring that lies within another keeps its exact arcs; where edges cross, arcs become chords
+that stray by less than 1e-7 of the width. With a raster among them the result is a raster.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import refuse
+from aureole.aperture.geometry import CUT_TOLERANCE, region
+from aureole.aperture.masks import rasterize
+from aureole.records import Aperture, Outline
+
+# Slivers below this part of the width's square are rounding, not shape.
+SLIVER = 1e-13
+
+
+def intersection(first: Aperture, second: Aperture) -> Aperture:
+    """Let through what both let through.
+
+    Parameters
+    ----------
+    first, second : Aperture
+        Outlines or rasters.
+
+    Returns
+    -------
+    Aperture
+        Transmittance a·b on the width of the first.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where nothing is left.
+    """
+    if first.mask is not None or second.mask is not None:
+        masks = _on_one_raster(first, second, first.width)
+        return _raster(masks[0] * masks[1], first.width, "intersection")
+    return _vector(_products(first, second), first.width, f"{first.name} within {second.name}")
+
+
+def subtraction(first: Aperture, second: Aperture) -> Aperture:
+    """Block what the second lets through: an obstruction in an opening.
+
+    Parameters
+    ----------
+    first : Aperture
+        The opening.
+    second : Aperture
+        The obstruction, as the opening of its shape.
+
+    Returns
+    -------
+    Aperture
+        Transmittance a·(1 − b) on the width of the first.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where nothing is left.
+    """
+    if first.mask is not None or second.mask is not None:
+        masks = _on_one_raster(first, second, first.width)
+        return _raster(masks[0] * (1 - masks[1]), first.width, "subtraction")
+    rings = (*first.outlines, *_negative(_products(first, second)))
+    return _vector(rings, first.width, f"{first.name} without {second.name}")
+
+
+def union(first: Aperture, second: Aperture) -> Aperture:
+    """Let through what either lets through.
+
+    Parameters
+    ----------
+    first, second : Aperture
+        Outlines or rasters.
+
+    Returns
+    -------
+    Aperture
+        Transmittance 1 − (1 − a)·(1 − b) on the larger of the two widths.
+    """
+    width = max(first.width, second.width)
+    if first.mask is not None or second.mask is not None:
+        masks = _on_one_raster(first, second, width)
+        return _raster(1 - (1 - masks[0]) * (1 - masks[1]), width, "union")
+    rings = (*first.outlines, *second.outlines, *_negative(_products(first, second)))
+    return _vector(rings, width, f"{first.name} and {second.name}")
+
+
+def dimmed(aperture: Aperture, transmittance: float) -> Aperture:
+    """Multiply an aperture's amplitude transmittance.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Outlines or a raster.
+    transmittance : float
+        Amplitude factor, 0 < t <= 1; its square is the part of the energy that passes.
+
+    Returns
+    -------
+    Aperture
+        The same shape, darker.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the factor is outside its range.
+    """
+    factor = refuse.between("transmittance", refuse.positive("transmittance", transmittance), 0, 1)
+    if aperture.mask is not None:
+        return _raster(aperture.mask * factor, aperture.width, aperture.name)
+    rings = tuple(Outline(r.vertices, r.bulges, r.transmittance * factor) for r in aperture.outlines)
+    return Aperture(aperture.width, rings, name=aperture.name)
+
+
+def scaled(aperture: Aperture, factor: float) -> Aperture:
+    """Make an aperture larger or smaller about the axis.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Outlines or a raster.
+    factor : float
+        Size of the result over that of the aperture, > 0.
+
+    Returns
+    -------
+    Aperture
+        The same shape, its width multiplied too.
+    """
+    refuse.positive("factor", factor)
+    rings = tuple(Outline(r.vertices * factor, r.bulges, r.transmittance) for r in aperture.outlines)
+    return Aperture(aperture.width * factor, rings, aperture.mask, aperture.name)
+
+
+def rotated(aperture: Aperture, angle: float) -> Aperture:
+    """Turn an aperture with outlines about the axis.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Outlines; a raster is refused, since its pixels would blur.
+    angle : float
+        Radians, counter-clockwise as seen.
+
+    Returns
+    -------
+    Aperture
+        The turned shape on the same width, which grows where a corner would leave its square.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the aperture is a raster.
+    """
+    _need_outlines(aperture, "rotated")
+    cosine, sine = math.cos(angle), math.sin(refuse.finite("angle", angle))
+    turn = np.array([[cosine, -sine], [sine, cosine]])
+    rings = tuple(Outline(r.vertices @ turn, r.bulges, r.transmittance) for r in aperture.outlines)
+    return Aperture(_width_for(rings, aperture.width), rings, name=aperture.name)
+
+
+def moved(aperture: Aperture, x: float, y: float) -> Aperture:
+    """Shift an aperture with outlines off the axis.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Outlines; a raster is refused.
+    x, y : float
+        Metres, x to the right, y downward.
+
+    Returns
+    -------
+    Aperture
+        The shifted shape on a square that still holds it.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the aperture is a raster.
+    """
+    _need_outlines(aperture, "moved")
+    shift = np.array([refuse.finite("x", x), refuse.finite("y", y)])
+    rings = tuple(Outline(r.vertices + shift, r.bulges, r.transmittance) for r in aperture.outlines)
+    return Aperture(_width_for(rings, aperture.width), rings, name=aperture.name)
+
+
+def _products(first: Aperture, second: Aperture) -> tuple[Outline, ...]:
+    """Return the rings of the product of two sums of rings."""
+    width = max(first.width, second.width)
+    return tuple(
+        Outline(ring.vertices, ring.bulges, one.transmittance * other.transmittance)
+        for one in first.outlines
+        for other in second.outlines
+        for ring in _overlap(one, other, width)
+    )
+
+
+def _overlap(one: Outline, other: Outline, width: float) -> list[Outline]:
+    """Return the rings of what lies in both rings, holes with transmittance −1."""
+    here, there = region(one, width), region(other, width)
+    # Shapes that touch only within the chords' tolerance count as one within the other.
+    if here.within(there) or here.difference(there).area < CUT_TOLERANCE * here.area:
+        return [Outline(one.vertices, one.bulges)]
+    if there.within(here):
+        return [Outline(other.vertices, other.bulges)]
+    rings = []
+    for piece in _polygons(here.intersection(there)):
+        if piece.area > SLIVER:
+            rings.append(_ring(piece.exterior, 1.0, width))
+            rings += [_ring(hole, -1.0, width) for hole in piece.interiors]
+    return [Outline(r.vertices, r.bulges, r.transmittance) for r in rings]
+
+
+def _polygons(shape: Any) -> list[Any]:
+    """Return the polygons of any shapely result, without the points and lines of mere contact."""
+    if shape.geom_type == "Polygon":
+        return [shape]
+    return [part for part in getattr(shape, "geoms", ()) if part.geom_type == "Polygon"]
+
+
+def _ring(ring: Any, transmittance: float, width: float) -> Outline:
+    points = np.asarray(ring.coords, dtype=np.float64)[:-1] * width
+    return Outline(points, np.zeros(len(points)), transmittance)
+
+
+def _negative(rings: tuple[Outline, ...]) -> tuple[Outline, ...]:
+    return tuple(Outline(r.vertices, r.bulges, -r.transmittance) for r in rings)
+
+
+def _vector(rings: tuple[Outline, ...], width: float, name: str) -> Aperture:
+    rings = _without_pairs(rings)
+    if not rings:
+        raise refuse.Refusal(f"'{name}' lets no light through.")
+    return Aperture(width, rings, name=name)
+
+
+def _without_pairs(rings: tuple[Outline, ...]) -> tuple[Outline, ...]:
+    """Drop rings that stand twice with transmittances that cancel."""
+    kept: list[Outline] = []
+    for ring in rings:
+        for index, other in enumerate(kept):
+            same = np.array_equal(ring.vertices, other.vertices) and np.array_equal(ring.bulges, other.bulges)
+            if same:
+                total = ring.transmittance + other.transmittance
+                kept[index : index + 1] = [Outline(ring.vertices, ring.bulges, total)] if total else []
+                break
+        else:
+            kept.append(ring)
+    return tuple(kept)
+
+
+def _on_one_raster(
+    first: Aperture, second: Aperture, width: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Paint two apertures on one square, as finely as the finer raster among them."""
+    pixels = [a.width / len(a.mask) for a in (first, second) if a.mask is not None]
+    size = max(1, round(width / min(pixels)))
+    return _on_square(first, width, size), _on_square(second, width, size)
+
+
+def _on_square(aperture: Aperture, width: float, size: int) -> NDArray[np.float64]:
+    """Paint an aperture on a centred square of another width."""
+    if aperture.mask is None:
+        return rasterize(Aperture(width, aperture.outlines), size).astype(np.float64)
+    edges = np.linspace(-width / 2, width / 2, size + 1)
+    have = np.linspace(-aperture.width / 2, aperture.width / 2, len(aperture.mask) + 1)
+    low = np.maximum(have[None, :-1], edges[:-1, None])
+    high = np.minimum(have[None, 1:], edges[1:, None])
+    overlap = np.clip(high - low, 0, None) * (size / width)
+    return np.asarray(overlap @ aperture.mask @ overlap.T)
+
+
+def _raster(mask: NDArray[Any], width: float, name: str) -> Aperture:
+    if not mask.any():
+        raise refuse.Refusal(f"'{name}' lets no light through.")
+    return Aperture(width, mask=np.clip(mask, 0, 1).astype(np.float32), name=name)
+
+
+def _need_outlines(aperture: Aperture, verb: str) -> None:
+    if aperture.mask is not None:
+        raise refuse.Refusal(f"a raster cannot be {verb} exactly; change the picture, or use outlines.")
+
+
+def _width_for(rings: tuple[Outline, ...], width: float) -> float:
+    """Return a width whose square holds every ring."""
+    reach = 0.0
+    for ring in rings:
+        box = np.abs(np.array(region(ring, width).bounds)) * width
+        reach = max(reach, float(box.max()))
+    return width if reach <= width / 2 * (1 + 1e-9) else 2 * reach
