@@ -1,1 +1,26 @@
-"""diffraction"""
+"""How a blocked wave spreads: the far field, and starbursts from it.
+
+In: apertures, grids in cycles per metre, spectra. Out: fields, patterns and pictures in XYZ.
+
+far         far_field and its methods, with the chooser
+reference   the slow truth: direct sums and boundary integrals in float64
+quadtree    a mask as few signed rectangles
+quads       the far field of rectangles as a product of one-dimensional factors
+chirpz      chirp-z transform and FFT of a mask, times the pixel's sinc
+polygons    the far field of exact outlines, straight edges, arcs and circles
+starburst   a whole starburst over all wavelengths, point samples or pixel integrals
+"""
+
+from aureole.diffraction.far import METHODS, check_grid, far_field
+from aureole.diffraction.quadtree import FINEST, Quads, level_mask, paint, quadtree
+
+__all__ = [
+    "FINEST",
+    "METHODS",
+    "Quads",
+    "check_grid",
+    "far_field",
+    "level_mask",
+    "paint",
+    "quadtree",
+]

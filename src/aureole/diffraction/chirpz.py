@@ -1,0 +1,195 @@
+"""The far field of a mask by fast transforms: its DFT at the wanted frequencies, times the pixel's sinc.
+
+A mask's pixels are small squares, so its continuous transform is its discrete one times
+sinc(u p) sinc(v p), exactly. The discrete one is taken at any regular set of frequencies by the
+chirp-z transform (L. Bluestein, 1970), or by a plain FFT where the frequencies are its own.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from aureole import refuse
+from aureole.records import Aperture, Grid
+
+# How far a frequency may lie from the FFT's own, in steps.
+ON_GRID = 1e-6
+
+
+def chirpz_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
+    """Return a raster's far field by a chirp-z transform along each axis.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    grid : Grid
+        Frequencies in cycles per metre, any spacing, any centre.
+
+    Returns
+    -------
+    ndarray of complex64, shape (rows, columns)
+        Square metres.
+    """
+    mask, pixel = _mask_of(aperture)
+    v, u = grid.axes()
+    lit = np.flatnonzero(mask.any(axis=1))
+    # Only rows with light in them are transformed along x.
+    across = np.zeros((len(mask), grid.shape[1]), dtype=np.complex64)
+    across[lit] = _chirp(mask[lit], pixel, u[0], grid.spacing[1], len(u))
+    whole = _chirp(np.ascontiguousarray(across.T), pixel, v[0], grid.spacing[0], len(v)).T
+    return _with_pixel(whole, u, v, pixel)
+
+
+def fft_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
+    """Return a raster's far field at frequencies that a plain FFT has.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster of n × n pixels of size p.
+    grid : Grid
+        Frequencies whose spacing is 1 / (N p) for a whole number N, and whose centre is a multiple
+        of the spacing; any number of them.
+
+    Returns
+    -------
+    ndarray of complex64, shape (rows, columns)
+        Square metres.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the frequencies are not an FFT's own.
+    """
+    mask, pixel = _mask_of(aperture)
+    lengths = fft_lengths(aperture, grid)
+    if lengths is None:
+        raise refuse.Refusal(
+            "method 'fft' needs a spacing of 1 / (N pixels) with a whole N and a centre that is a "
+            "multiple of it; use method 'chirpz', which takes any grid."
+        )
+    v, u = grid.axes()
+    folded = _fold(_fold(mask, lengths[0], 0), lengths[1], 1)
+    half = fft.rfft(folded, axis=1, workers=_workers())
+    whole = fft.fft(half, axis=0, workers=_workers(), overwrite_x=True)
+    rows = np.rint(v / grid.spacing[0]).astype(int)
+    columns = np.rint(u / grid.spacing[1]).astype(int)
+    values = _from_half(whole, rows, columns, lengths)
+    # The first pixel's centre lies at (p − width) / 2, not at the origin.
+    shift = (pixel - aperture.width) / 2
+    values *= np.exp(-2j * np.pi * v * shift).astype(np.complex64)[:, None]
+    values *= np.exp(-2j * np.pi * u * shift).astype(np.complex64)
+    return _with_pixel(values, u, v, pixel)
+
+
+def fft_lengths(aperture: Aperture, grid: Grid) -> tuple[int, int] | None:
+    """Return the FFT lengths (rows, columns) whose own frequencies a grid has, or None.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    grid : Grid
+        Frequencies in cycles per metre.
+
+    Returns
+    -------
+    tuple of int or None
+        None where the frequencies are not an FFT's own.
+    """
+    _, pixel = _mask_of(aperture)
+    lengths = []
+    for count, spacing, centre in zip(grid.shape, grid.spacing, grid.centre, strict=True):
+        length = 1 / (spacing * pixel)
+        offset = centre / spacing
+        drift = abs(length - round(length)) / length * (count // 2 + 1 + abs(offset))
+        if round(length) < 1 or drift > ON_GRID or abs(offset - round(offset)) > ON_GRID:
+            return None
+        lengths.append(round(length))
+    return lengths[0], lengths[1]
+
+
+def _mask_of(aperture: Aperture) -> tuple[NDArray[np.float32], float]:
+    if aperture.mask is None:
+        raise refuse.Refusal("a transform of pixels needs a raster; rasterize the outlines first.")
+    return aperture.mask, aperture.width / len(aperture.mask)
+
+
+def _with_pixel(
+    values: NDArray[np.complex64], u: NDArray[np.float64], v: NDArray[np.float64], pixel: float
+) -> NDArray[np.complex64]:
+    """Multiply by the transform of one pixel."""
+    out = np.ascontiguousarray(values)
+    out *= (pixel * np.sinc(v * pixel)).astype(np.float32)[:, None]
+    out *= (pixel * np.sinc(u * pixel)).astype(np.float32)
+    return out
+
+
+def _chirp(
+    rows: NDArray[np.generic], pixel: float, start: float, step: float, count: int
+) -> NDArray[np.complex64]:
+    """Sum exp(−i2π f_j x_k) over the samples of each row, x_k the centres of its pixels."""
+    size = rows.shape[1]
+    before, spectrum, after, length = _chirp_tables(size, pixel, start, step, count)
+    wave = np.zeros((len(rows), length), dtype=np.complex64)
+    wave[:, :size] = rows * before
+    wave = fft.fft(wave, axis=1, workers=_workers(), overwrite_x=True)
+    wave *= spectrum
+    wave = fft.ifft(wave, axis=1, workers=_workers(), overwrite_x=True)
+    return np.asarray(wave[:, size - 1 : size - 1 + count] * after)
+
+
+@lru_cache(maxsize=8)
+def _chirp_tables(
+    size: int, pixel: float, start: float, step: float, count: int
+) -> tuple[NDArray[np.complex64], NDArray[np.complex64], NDArray[np.complex64], int]:
+    """Return Bluestein's factors: jk = (j² + k² − (j − k)²) / 2."""
+    rate = step * pixel
+    k, j = np.arange(size), np.arange(count)
+    first = (0.5 - size / 2) * pixel
+    before = _turns(-(start * (first + k * pixel) + rate * k**2 / 2))
+    after = _turns(-(j * step * first + rate * j**2 / 2))
+    lags = np.arange(-(size - 1), count)
+    length = fft.next_fast_len(size + count - 1)
+    chirp = np.zeros(length, dtype=np.complex64)
+    chirp[: len(lags)] = _turns(rate * lags.astype(np.float64) ** 2 / 2)
+    return before, fft.fft(chirp), after, length
+
+
+def _turns(turns: NDArray[np.float64]) -> NDArray[np.complex64]:
+    """Return exp(i2π turns), whole turns taken off in float64."""
+    return np.asarray(np.exp(2j * np.pi * (turns - np.rint(turns))), dtype=np.complex64)
+
+
+def _fold(mask: NDArray[np.float32], length: int, axis: int) -> NDArray[np.float32]:
+    """Pad a mask with zeros to a length, or add up its repeats where it is longer."""
+    size = mask.shape[axis]
+    repeats = -(-size // length)
+    pad = [(0, 0), (0, 0)]
+    pad[axis] = (0, repeats * length - size)
+    padded = np.pad(mask, pad)
+    if repeats == 1:
+        return padded
+    shape = list(padded.shape)
+    shape[axis : axis + 1] = [repeats, length]
+    return np.asarray(padded.reshape(shape).sum(axis=axis, dtype=np.float32))
+
+
+def _from_half(
+    half: NDArray[np.complex64], rows: NDArray[np.int64], columns: NDArray[np.int64], lengths: tuple[int, int]
+) -> NDArray[np.complex64]:
+    """Look frequencies up in a half spectrum, the other half by F(−u, −v) = F*(u, v)."""
+    row, column = rows % lengths[0], columns % lengths[1]
+    mirrored = column >= half.shape[1]
+    out = half[np.ix_(row, np.where(mirrored, lengths[1] - column, column))]
+    out[:, mirrored] = half[np.ix_(-row % lengths[0], lengths[1] - column[mirrored])].conj()
+    return out
+
+
+def _workers() -> int:
+    import os
+
+    return os.cpu_count() or 1
