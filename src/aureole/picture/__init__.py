@@ -1,1 +1,53 @@
-"""picture"""
+"""The picture room: pictures in and out, convolution, display.
+
+- `files`: what a file is, from its header; in: a path, out: a `Header`, or a refusal
+- `reading`: in: a path, out: a linear `Picture`
+- `writing`: in: a `Picture`, out: a file, and notes on what it could not hold
+- `whole_file`: in: a path, out: a temporary to write, which is renamed to the path once it is whole
+- `metadata`: the records of what a file says, and the notes for the person who gave it
+- `channels`: in: channel names, out: which of them are the picture
+- `luminance_chroma`: in: Y, RY, BY at their own resolutions, out: RGB
+- `primaries`: in: chromaticities, out: a colour space's name, and matrices between spaces
+- `transfer`: in: linear light, out: the numbers of display-referred files, and back
+- `color_config`: OpenColorIO configurations where one is given
+"""
+
+from aureole.picture.files import SUFFIXES, describe, format_of, refuse_memory
+from aureole.picture.metadata import (
+    Attribute,
+    Channel,
+    Colour,
+    Header,
+    Window,
+    extra_channels,
+    header_of,
+    notes,
+    with_notes,
+)
+from aureole.picture.reading import read
+from aureole.picture.transfer import decode_srgb, encode_srgb
+from aureole.picture.whole_file import whole_file, writable
+from aureole.picture.writing import COMPRESSIONS, write
+
+__all__ = [
+    "COMPRESSIONS",
+    "SUFFIXES",
+    "Attribute",
+    "Channel",
+    "Colour",
+    "Header",
+    "Window",
+    "decode_srgb",
+    "describe",
+    "encode_srgb",
+    "extra_channels",
+    "format_of",
+    "header_of",
+    "notes",
+    "read",
+    "refuse_memory",
+    "whole_file",
+    "with_notes",
+    "writable",
+    "write",
+]
