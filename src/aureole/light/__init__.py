@@ -1,1 +1,51 @@
-"""light"""
+"""From wavelength to colour: spectra, the observer, the spectral sum, XYZ and RGB.
+
+In come spectra (metres) and a diffraction `Pattern` at one wavelength; out goes a `Picture` in XYZ,
+and from there one in a linear RGB space.
+
+- `tables.py`: reads the published tables in `data/`, each with its source in its header.
+- `spectra.py`: a `Spectrum` from numbers, a single line, a black body.
+- `illuminants.py`: E, A, D65, F1, and "blackbody:3200K" or "line:550nm" as text.
+- `observer.py`: the CIE 1931 2° observer; a spectrum's XYZ and white; the weights of a spectral sum.
+- `spaces.py`: linear colour spaces, the matrices between them, adaptation from white to white.
+- `spectral.py`: the spectral sum in METHODS: "reference" and "full".
+- `_kernels.py`: the heavy loop of "full".
+"""
+
+from aureole.light.illuminants import ILLUMINANTS, illuminant
+from aureole.light.observer import chromaticity, observer, quadrature, tristimulus, white
+from aureole.light.spaces import (
+    SPACES,
+    Space,
+    adaptation,
+    convert,
+    from_xyz,
+    matrix,
+    space_from_primaries,
+    to_xyz,
+)
+from aureole.light.spectra import black_body, line, spectrum
+from aureole.light.spectral import METHODS, spectral_sum
+
+__all__ = [
+    "ILLUMINANTS",
+    "METHODS",
+    "SPACES",
+    "Space",
+    "adaptation",
+    "black_body",
+    "chromaticity",
+    "convert",
+    "from_xyz",
+    "illuminant",
+    "line",
+    "matrix",
+    "observer",
+    "quadrature",
+    "space_from_primaries",
+    "spectral_sum",
+    "spectrum",
+    "to_xyz",
+    "tristimulus",
+    "white",
+]
