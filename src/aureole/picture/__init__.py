@@ -3,7 +3,7 @@
 - `files`: what a file is, from its header; in: a path, out: a `Header`, or a refusal
 - `reading`: in: a path, out: a linear `Picture`
 - `writing`: in: a `Picture`, out: a file, and notes on what it could not hold
-- `whole_file`: in: a path, out: a temporary to write, which is renamed to the path once it is whole
+- `whole_files`: in: a path, out: a temporary to write, which is renamed to the path once it is whole
 - `metadata`: the records of what a file says, and the notes for the person who gave it
 - `channels`: in: channel names, out: which of them are the picture
 - `luminance_chroma`: in: Y, RY, BY at their own resolutions, out: RGB
@@ -26,7 +26,7 @@ from aureole.picture.metadata import (
 )
 from aureole.picture.reading import read
 from aureole.picture.transfer import decode_srgb, encode_srgb
-from aureole.picture.whole_file import whole_file, writable
+from aureole.picture.whole_files import whole_file, writable
 from aureole.picture.writing import COMPRESSIONS, write
 
 __all__ = [

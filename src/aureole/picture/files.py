@@ -24,6 +24,8 @@ SUFFIXES = {
     ".jpg": "jpeg",
     ".jpeg": "jpeg",
 }
+# Values of Exif's Orientation that swap rows and columns.
+QUARTER_TURNS = (5, 6, 7, 8)
 MEMORY_SHARE = 0.75
 # Attributes that say how the file is laid out or encoded; writing says its own.
 _LAYOUT = ("oiio:", "openexr:", "tiff:", "png:", "jpeg:", "thumbnail_", "iccprofile", "exif:pixel")
@@ -174,6 +176,28 @@ def refuse_memory(path: str | os.PathLike[str], header: Header, allowed: int | N
         )
 
 
+def orientation(spec: "OpenImageIO.ImageSpec", format: str) -> int:
+    """Find how a picture lies in its file.
+
+    Parameters
+    ----------
+    spec : ImageSpec
+        The file's header.
+    format : str
+        OpenImageIO's name of its format.
+
+    Returns
+    -------
+    int
+        Exif's Orientation; 1 is upright, and so is every EXR, which has no such thing.
+    """
+    return 1 if format == "openexr" else int(spec.get_int_attribute("Orientation", 1))
+
+
+def _turned(window: Window) -> Window:
+    return Window(window.y, window.x, window.height, window.width)
+
+
 def _readable(path: str | os.PathLike[str]) -> Path:
     place = Path(path)
     if place.is_dir():
@@ -198,15 +222,19 @@ def _header(path: Path, source: "OpenImageIO.ImageInput") -> Header:
     if colour is None:
         raise refuse.Refusal(f"'{path}' has no R, G, B or Y channel, only {', '.join(spec.channelnames)}.")
     space, chromaticities, space_note = _colour_space(spec, format)
+    data = Window(spec.x, spec.y, spec.width, spec.height)
+    display = Window(spec.full_x, spec.full_y, spec.full_width, spec.full_height)
+    turned = orientation(spec, format) in QUARTER_TURNS
+    aspect = spec.get_float_attribute("PixelAspectRatio", 1.0) or 1.0
     return Header(
         format=format,
-        data_window=Window(spec.x, spec.y, spec.width, spec.height),
-        display_window=Window(spec.full_x, spec.full_y, spec.full_width, spec.full_height),
+        data_window=_turned(data) if turned else data,
+        display_window=_turned(display) if turned else display,
         channels=_channels(spec),
         colour=colour,
         colour_space=space,
         chromaticities=chromaticities,
-        pixel_aspect=spec.get_float_attribute("PixelAspectRatio", 1.0) or 1.0,
+        pixel_aspect=1 / aspect if turned else aspect,
         compression=spec.get_string_attribute("compression"),
         tile=(spec.tile_height, spec.tile_width) if spec.tile_width else None,
         attributes=_attributes(spec, format),

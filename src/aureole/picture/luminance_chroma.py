@@ -171,7 +171,7 @@ def _tamed(rgb: NDArray[np.float32], weights: NDArray[np.float32]) -> NDArray[np
     mean = (around[:-2, :-2] + around[:-2, 2:] + around[2:, :-2] + around[2:, 2:]) / 4
     most = np.minimum(1 - (1 - np.minimum(mean, 1)) * np.float32(_SATURATION_LEFT), 1)
     rows, columns = np.nonzero(saturation > most)
-    share = (most / np.where(lit, saturation, 1))[rows, columns, None]
+    share = (most[rows, columns] / saturation[rows, columns])[:, None]
     peak, colour = highest[rows, columns, None], rgb[rows, columns]
     softer = np.maximum(peak - (peak - colour) * share, 0)
     before, after = colour @ weights, softer @ weights

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from aureole import refuse
 from aureole.picture import color_config as ocio
 from aureole.picture import luminance_chroma
-from aureole.picture.files import describe, opened, refuse_memory, said
+from aureole.picture.files import QUARTER_TURNS, describe, opened, orientation, refuse_memory, said
 from aureole.picture.metadata import Header
 from aureole.picture.transfer import decode_srgb
 from aureole.records import Picture
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 Planes = dict[str, NDArray[Any]]
 
 _EXTRA_TYPES = {"half": np.float16, "uint": np.uint32}
-_QUARTER_TURNS = (5, 6, 7, 8)
 
 
 def read(
@@ -98,7 +97,7 @@ def _stored(path: Path, header: Header) -> tuple[NDArray[np.float32], Planes, bo
         assert source is not None  # only subsampled files are not opened
         spec = source.spec()
         planes = _planes(path, source, header)
-    turn = 1 if header.format == "openexr" else spec.get_int_attribute("Orientation", 1)
+    turn = orientation(spec, header.format)
     pixels, extra = _picked(planes, header.colour.names, header.colour.alpha)
     extra = {name: _upright(_as_stored(plane, name, header), turn) for name, plane in extra.items()}
     return _upright(pixels, turn), extra, spec.get_int_attribute("oiio:UnassociatedAlpha") == 1
@@ -142,13 +141,13 @@ def _as_stored(plane: NDArray[Any], name: str, header: Header) -> NDArray[Any]:
     return np.array(plane, dtype=dtype)
 
 
-def _upright(array: NDArray[Any], orientation: int) -> NDArray[Any]:
+def _upright(array: NDArray[Any], turn: int) -> NDArray[Any]:
     """Turn an array as its file's Orientation (Exif) asks, so that the first row is the top."""
-    if orientation in _QUARTER_TURNS:
+    if turn in QUARTER_TURNS:
         array = np.swapaxes(array, 0, 1)
-    if orientation in (3, 4, 7, 8):
+    if turn in (3, 4, 7, 8):
         array = array[::-1]
-    if orientation in (2, 3, 6, 7):
+    if turn in (2, 3, 6, 7):
         array = array[:, ::-1]
     return np.ascontiguousarray(array)
 

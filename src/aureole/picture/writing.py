@@ -18,7 +18,7 @@ from aureole.picture import color_config as ocio
 from aureole.picture.files import format_of, said
 from aureole.picture.layout import LOSSLESS, PIXEL_TYPES, Sheet, exr_sheet, flat_sheet
 from aureole.picture.metadata import Header, header_of
-from aureole.picture.whole_file import whole_file, writable
+from aureole.picture.whole_files import whole_file, writable
 from aureole.records import Picture
 
 if TYPE_CHECKING:  # imported where it is used, so that importing the room stays quick
