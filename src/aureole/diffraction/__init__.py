@@ -12,6 +12,7 @@ starburst   a whole starburst over all wavelengths, point samples or pixel integ
 """
 
 from aureole.diffraction.far import METHODS, check_grid, far_field
+from aureole.diffraction.starburst import starburst, starburst_stages
 from aureole.diffraction.quadtree import FINEST, Quads, level_mask, paint, quadtree
 
 __all__ = [
@@ -23,4 +24,6 @@ __all__ = [
     "level_mask",
     "paint",
     "quadtree",
+    "starburst",
+    "starburst_stages",
 ]

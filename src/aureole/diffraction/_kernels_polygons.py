@@ -107,12 +107,9 @@ def _straight(
         if abs(along) <= limit:
             # Σ (−iθ)^k / (k + 1)! with θ = 2π q·e.
             step = complex(0.0, -2 * math.pi * along)
-            series = 1 + step / 2 * (
-                1
-                + step
-                / 3
-                * (1 + step / 4 * (1 + step / 5 * (1 + step / 6 * (1 + step / 7 * (1 + step / 8)))))
-            )
+            series = complex(1.0, 0.0)
+            for order in range(8, 1, -1):
+                series = 1 + step / order * series
             total[column] += (u[column] * ey - cross_v) * first[column] * series
 
 

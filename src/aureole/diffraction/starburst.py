@@ -1,0 +1,286 @@
+"""A whole starburst: the far field's energy over all wavelengths, in XYZ.
+
+The plane is measured in direction cosines s = sin θ (on a sensor s = x / f), so that one grid serves
+every wavelength: the frequency there is s / λ. The energy fraction at s per unit of s is
+|F(s/λ)|² / (λ² ∬|f|²), and it sums to 1 over the infinite plane at every wavelength.
+
+"exact" transforms every wavelength at its own scale. "scaled" transforms once and looks the others
+up at scaled places (quad paper Eq. 14-16), finely sampled in the core, where fringes are wide, and
+on the pixels themselves outside it.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import aperture as apertures
+from aureole import light, refuse
+from aureole.diffraction.far import check_grid, far_field
+from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
+
+METHODS = ("auto", "exact", "scaled")
+SAMPLES = ("area", "point")
+SHORTEST, LONGEST = 380e-9, 780e-9
+REFERENCE_WAVELENGTH = math.sqrt(SHORTEST * LONGEST)
+EXACT_WAVELENGTHS = 81
+CORE_WAVELENGTHS = 81
+OUTER_WAVELENGTHS = 161
+# Cycles of the pattern's finest fringe across the core's radius, and samples a fringe within it.
+CORE_CYCLES = 16.0
+CORE_PIXELS = 6
+FINE_SAMPLES = 8
+# Outside the core a pixel is sampled no finer than this along each axis.
+MOST_OUTER_NODES = 6
+# Edges times samples that an outer pattern may cost before its pixels are sampled more coarsely.
+OUTER_BUDGET = 3e9
+
+
+def starburst(
+    aperture: Aperture, grid: Grid, spectrum: Spectrum, method: str = "auto", sample: str = "area"
+) -> Picture:
+    """Return the starburst of an aperture for light of a spectrum.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Outlines or a raster, at its size in metres.
+    grid : Grid
+        Direction cosines; the spacing is the pixel pitch over the focal length.
+    spectrum : Spectrum
+        The light's.
+    method : str
+        "exact", every wavelength transformed; "scaled", one transform looked up at scaled places;
+        "auto" is exact for few lines and scaled elsewhere.
+    sample : str
+        "area", the integral over each pixel; "point", the density at its centre times its area.
+
+    Returns
+    -------
+    Picture
+        XYZ, shape (rows, columns, 3), the energy fraction of each pixel weighted by the observer: over
+        the infinite plane it sums to the spectrum's white with Y = 1.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the grid, the method or the sampling does not fit.
+    """
+    for stage in starburst_stages(aperture, grid, spectrum, method, sample):
+        picture = stage.result
+    assert isinstance(picture, Picture)
+    return picture
+
+
+def starburst_stages(
+    aperture: Aperture, grid: Grid, spectrum: Spectrum, method: str = "auto", sample: str = "area"
+) -> Iterator[Stage]:
+    """Do what `starburst` does, telling how far it is.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        As in `starburst`.
+    grid : Grid
+        As in `starburst`.
+    spectrum : Spectrum
+        As in `starburst`.
+    method : str
+        As in `starburst`.
+    sample : str
+        As in `starburst`.
+
+    Yields
+    ------
+    Stage
+        The last one holds the picture.
+    """
+    check_grid(grid)
+    refuse.one_of("method", method, METHODS)
+    refuse.one_of("sample", sample, SAMPLES)
+    if method == "auto":
+        method = "exact" if spectrum.kind == "lines" and len(spectrum.wavelengths) <= 8 else "scaled"
+    if method == "exact":
+        yield from _exact(aperture, grid, spectrum, sample)
+    else:
+        yield from _scaled(aperture, grid, spectrum, sample)
+
+
+def _exact(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> Iterator[Stage]:
+    wavelengths, weights = light.quadrature(spectrum, EXACT_WAVELENGTHS)
+    total = np.zeros((*grid.shape, 3))
+    for index, (wavelength, weight) in enumerate(zip(wavelengths, weights, strict=True)):
+        yield Stage(index / len(wavelengths), f"starburst at {wavelength * 1e9:.0f} nm")
+        total += _fractions(aperture, grid, float(wavelength), sample)[..., None] * weight
+    yield Stage(1.0, "starburst", Picture(total.astype(np.float32), "xyz"))
+
+
+def _scaled(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> Iterator[Stage]:
+    yield Stage(0.0, "starburst's core")
+    core_grid = _core_grid(aperture, grid)
+    core = _core(aperture, core_grid, spectrum, sample)
+    yield Stage(0.2, "starburst's rays")
+    total = _outer(aperture, grid, spectrum, sample)
+    yield Stage(0.9, "starburst, joining the two")
+    _join(total, core, grid, core_grid)
+    yield Stage(1.0, "starburst", Picture(total, "xyz"))
+
+
+def _core_grid(aperture: Aperture, grid: Grid) -> Grid:
+    """Return the pixels of a grid within the core's radius about the axis."""
+    shape, centre = [], []
+    for count, spacing, middle in zip(grid.shape, grid.spacing, grid.centre, strict=True):
+        reach = max(CORE_CYCLES * SHORTEST / aperture.width / spacing, CORE_PIXELS)
+        first = -(count // 2) + middle / spacing
+        low = max(0, math.floor(-reach - first))
+        high = min(count, math.ceil(reach - first) + 1)
+        length = max(high - low, 0)
+        shape.append(length)
+        centre.append((first + low + length // 2) * spacing)
+    return Grid((shape[0], shape[1]), grid.spacing, (centre[0], centre[1]))
+
+
+def _core(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
+    """Sum the wavelengths from a pattern that samples every fringe finely."""
+    total = np.zeros((*grid.shape, 3), dtype=np.float32)
+    if not total.size:
+        return total
+    wavelength = REFERENCE_WAVELENGTH
+    step = 1 / (FINE_SAMPLES * aperture.width)
+    # The pattern reaches as far as the shortest wavelength looks, and two samples more.
+    counts = [
+        2 * (math.ceil((np.abs(axis).max() + spacing / 2) / SHORTEST / step) + 2) + 1
+        for axis, spacing in zip(grid.axes(), grid.spacing, strict=True)
+    ]
+    fine = Grid((counts[0], counts[1]), (step, step))
+    pattern = _pattern(aperture, fine, wavelength)
+    for shifted, weight in _shifted(grid, _node_counts(aperture, grid, SHORTEST, sample)):
+        total += weight * _summed(pattern, shifted, spectrum, CORE_WAVELENGTHS, "cubic")
+    return total * _pixel_share(aperture, grid, wavelength)
+
+
+def _outer(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
+    """Sum the wavelengths from a pattern on the pixels themselves, each sampled at a few nodes."""
+    wavelength = REFERENCE_WAVELENGTH
+    stretch = wavelength / SHORTEST
+    spacing = (grid.spacing[0] / wavelength, grid.spacing[1] / wavelength)
+    counts = [
+        2 * (math.ceil(np.abs(axis).max() / step * stretch) + 1) + 1
+        for axis, step in zip(grid.axes(), grid.spacing, strict=True)
+    ]
+    wide = Grid((counts[0], counts[1]), spacing)
+    nodes = _node_counts(aperture, grid, wavelength, sample, _most_nodes(aperture, wide))
+    pattern = Pattern(_centred_mean(aperture, wide, nodes), wide, wavelength, apertures.energy(aperture))
+    total = _summed(pattern, grid, spectrum, OUTER_WAVELENGTHS, "linear")
+    return total * _pixel_share(aperture, grid, wavelength)
+
+
+def _join(total: NDArray[np.float32], core: NDArray[np.float32], grid: Grid, part: Grid) -> None:
+    """Lay the core over the rest, fading from one to the other in the outer third of its radius."""
+    if not core.size:
+        return
+    (rows, columns), (all_rows, all_columns) = part.axes(), grid.axes()
+    top, left = round((rows[0] - all_rows[0]) / grid.spacing[0]), round(
+        (columns[0] - all_columns[0]) / grid.spacing[1]
+    )
+    reach_y, reach_x = np.abs(rows).max() + grid.spacing[0], np.abs(columns).max() + grid.spacing[1]
+    radius = np.hypot(rows[:, None] / reach_y, columns / reach_x)
+    share = np.clip((1 - radius) * 3, 0, 1)
+    blend = (share * share * (3 - 2 * share)).astype(np.float32)[..., None]
+    window = total[top : top + part.shape[0], left : left + part.shape[1]]
+    window += blend * (core - window)
+
+
+def _fractions(
+    aperture: Aperture, grid: Grid, wavelength: float, sample: str
+) -> NDArray[np.float32]:
+    """Return each pixel's share of the energy at one wavelength."""
+    mean = np.zeros(grid.shape, dtype=np.float32)
+    for shifted, weight in _shifted(grid, _node_counts(aperture, grid, wavelength, sample)):
+        frequencies = _in_frequency(shifted, wavelength)
+        mean += np.float32(weight) * _power(aperture, frequencies)
+    return mean * _pixel_share(aperture, grid, wavelength)
+
+
+def _pixel_share(aperture: Aperture, grid: Grid, wavelength: float) -> np.float32:
+    """Return what turns |F|² into a pixel's share of the energy: its area over λ² ∬|f|²."""
+    pixel = grid.spacing[0] * grid.spacing[1]
+    return np.float32(pixel / (wavelength**2 * apertures.energy(aperture)))
+
+
+def _node_counts(
+    aperture: Aperture, grid: Grid, wavelength: float, sample: str, most: int = 1 << 30
+) -> tuple[int, int]:
+    """Return how many Gauss-Legendre nodes integrate the fringes across a pixel, by rows and columns.
+
+    |F|² has no fringe finer than the width allows: c = width × pixel / λ cycles in a pixel. Gauss's
+    rule follows them from π c / 2 nodes on; three more bring the error below 1e-5.
+    """
+    if sample == "point":
+        return 1, 1
+    cycles = [aperture.width * spacing / wavelength for spacing in grid.spacing]
+    rows, columns = (min(most, math.ceil(math.pi * c / 2) + 3) for c in cycles)
+    return rows, columns
+
+
+def _most_nodes(aperture: Aperture, grid: Grid) -> int:
+    edges = sum(len(ring.vertices) * (8 if np.any(ring.bulges) else 1) for ring in aperture.outlines)
+    samples = grid.shape[0] * grid.shape[1] / 2 * max(edges, 8)
+    return max(2, min(MOST_OUTER_NODES, int(math.sqrt(OUTER_BUDGET / samples))))
+
+
+def _shifted(grid: Grid, counts: tuple[int, int]) -> Iterator[tuple[Grid, float]]:
+    """Yield the grid moved to each node of a Gauss-Legendre rule over its pixel, with the weight."""
+    (nodes_y, weights_y), (nodes_x, weights_x) = (np.polynomial.legendre.leggauss(n) for n in counts)
+    for node_y, weight_y in zip(nodes_y, weights_y, strict=True):
+        for node_x, weight_x in zip(nodes_x, weights_x, strict=True):
+            y = grid.centre[0] + node_y / 2 * grid.spacing[0]
+            x = grid.centre[1] + node_x / 2 * grid.spacing[1]
+            yield Grid(grid.shape, grid.spacing, (float(y), float(x))), float(weight_y * weight_x / 4)
+
+
+def _centred_mean(aperture: Aperture, grid: Grid, counts: tuple[int, int]) -> NDArray[np.float32]:
+    """Return the mean of |F|² over each pixel of an odd, centred grid in frequency.
+
+    |F(−q)|² = |F(q)|² for a real aperture, so the upper half is computed and turned.
+    """
+    rows, columns = grid.shape
+    upper = _ending_at_axis(Grid((rows // 2 + 1, columns), grid.spacing))
+    mean = np.zeros(upper.shape, dtype=np.float32)
+    for shifted, weight in _shifted(upper, counts):
+        mean += np.float32(weight) * _power(aperture, shifted)
+    return np.concatenate([mean, mean[-2::-1, ::-1]])
+
+
+def _ending_at_axis(grid: Grid) -> Grid:
+    """Return the grid moved along y so that its last row lies at zero."""
+    last = (grid.shape[0] - 1 - grid.shape[0] // 2) * grid.spacing[0]
+    return Grid(grid.shape, grid.spacing, (-last, grid.centre[1]))
+
+
+def _pattern(aperture: Aperture, grid: Grid, wavelength: float) -> Pattern:
+    """Return |F|² at the samples of an odd, centred grid in frequency."""
+    return Pattern(_centred_mean(aperture, grid, (1, 1)), grid, wavelength, apertures.energy(aperture))
+
+
+def _power(aperture: Aperture, grid: Grid) -> NDArray[np.float32]:
+    amplitude = far_field(aperture, grid).amplitude
+    return np.asarray(amplitude.real**2 + amplitude.imag**2, dtype=np.float32)
+
+
+def _summed(
+    pattern: Pattern, grid: Grid, spectrum: Spectrum, samples: int, interpolation: str
+) -> NDArray[np.float32]:
+    """Sum a pattern over wavelengths at the pixels of a grid in direction cosines."""
+    frequencies = _in_frequency(grid, pattern.wavelength)
+    picture = light.spectral_sum(
+        pattern, pattern.wavelength, spectrum, grid=frequencies, samples=samples, interpolation=interpolation
+    )
+    return picture.pixels
+
+
+def _in_frequency(grid: Grid, wavelength: float) -> Grid:
+    """Return the frequencies s / λ of a grid in direction cosines."""
+    (step_y, step_x), (y, x) = grid.spacing, grid.centre
+    return Grid(grid.shape, (step_y / wavelength, step_x / wavelength), (y / wavelength, x / wavelength))

@@ -1,0 +1,193 @@
+"""Laying glare over a picture.
+
+replace   picture ⊗ psf: what the camera does to light that was sharp before. Energy is kept; what a
+          cropped kernel lost goes back to its core.
+scatter   the core is kept sharp and only what is scattered beyond it is spread. Energy is kept too.
+add       an artist's control: bright parts above a soft knee are spread and added.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import light, picture, refuse
+from aureole.glare.kernel import nonnegative
+from aureole.records import Picture
+
+MODES = ("replace", "scatter", "add")
+# Radius in pixels within which "scatter" and "add" keep the picture sharp, fading over as much again.
+CORE_RADIUS = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Composition:
+    """A point spread function made ready for pictures of one size.
+
+    Parameters
+    ----------
+    mode : str
+        "replace", "scatter" or "add".
+    core : ndarray of float32, shape (3,)
+        What each channel keeps in its own pixel.
+    returned : float
+        Energy that the kernel had lost at its border and that went back to the core, mean over
+        channels.
+    spread : callable
+        Takes (rows, columns, 3) to its convolution with all of the kernel but the core.
+    """
+
+    mode: str
+    core: NDArray[np.float32]
+    returned: float
+    spread: Any
+
+
+def prepare(
+    psf: Picture, shape: tuple[int, int], mode: str = "replace", core_radius: float = CORE_RADIUS
+) -> Composition:
+    """Make a point spread function ready for many pictures of one size.
+
+    Parameters
+    ----------
+    psf : Picture
+        Energy per pixel, its core at (rows//2, columns//2).
+    shape : tuple of int
+        (rows, columns) of the pictures.
+    mode : str
+        "replace", "scatter" or "add".
+    core_radius : float
+        Pixels within which "scatter" and "add" keep the picture sharp.
+
+    Returns
+    -------
+    Composition
+        To be given to `composite`.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the mode is unknown, or the kernel holds more than all energy.
+    """
+    refuse.one_of("mode", mode, MODES)
+    kernel = nonnegative(psf).pixels[..., :3].copy()
+    total = kernel.sum(axis=(0, 1), dtype=np.float64)
+    if float(total.max()) > 1.01:
+        raise refuse.Refusal(f"'psf' must hold at most all energy (sum <= 1), got a sum of {total.max():.3g}.")
+    if mode == "replace":
+        row, column = kernel.shape[0] // 2, kernel.shape[1] // 2
+        kernel[row, column] = 0
+    else:
+        kernel *= _beyond_core(kernel.shape[:2], core_radius)[..., None]
+    # Whatever is not spread stays: the core's own share and what the border lost.
+    scattered = kernel.sum(axis=(0, 1), dtype=np.float64)
+    core = (1 - scattered).astype(np.float32)
+    spread = picture.Convolver(kernel, shape)
+    return Composition(mode, core, float(np.mean(1 - total)), spread)
+
+
+def composite(
+    source: Picture,
+    psf: Picture | Composition,
+    mode: str = "replace",
+    matte: NDArray[np.floating] | None = None,
+    threshold: float = 1.0,
+    knee: float = 0.5,
+    gain: float = 1.0,
+    tint: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    core_radius: float = CORE_RADIUS,
+) -> Picture:
+    """Return a picture with glare.
+
+    Parameters
+    ----------
+    source : Picture
+        Linear RGB, with or without alpha, which stays as it is.
+    psf : Picture or Composition
+        A point spread function, or one made ready with `prepare` (whose mode then counts).
+    mode : str
+        "replace", "scatter" or "add".
+    matte : ndarray, shape (rows, columns), optional
+        0..1, how much of each pixel is a source of glare.
+    threshold, knee : float
+        For "add": luminance above which light is spread, and how softly that sets in (0 is sharp, 1
+        starts at zero). All channels are scaled together, so hue stays.
+    gain : float
+        For "add": multiplies what is added.
+    tint : tuple of float
+        For "add": multiplies each channel of what is added.
+    core_radius : float
+        For "scatter" and "add": pixels within which the picture stays sharp.
+
+    Returns
+    -------
+    Picture
+        Same size, colour space and metadata as the source.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the colour spaces, the matte or a number do not fit.
+    """
+    colour = source.pixels[..., :3]
+    shape = colour.shape[:2]
+    if isinstance(psf, Picture):
+        _same_space(source, psf)
+        psf = prepare(psf, (shape[0], shape[1]), mode, core_radius)
+    limit = None if matte is None else _checked_matte(matte, (shape[0], shape[1]))
+    if psf.mode == "add":
+        bright = _above_knee(source, threshold, knee)
+        bright = bright if limit is None else bright * limit
+        factor = np.asarray(tint, dtype=np.float32) * np.float32(refuse.finite("gain", gain))
+        out = colour + factor * psf.spread(bright)
+    else:
+        lit = colour if limit is None else colour * limit
+        out = lit * psf.core + psf.spread(lit)
+        out = out if limit is None else out + (colour - lit)
+    return _with_colour(source, out)
+
+
+def _beyond_core(shape: tuple[int, int], radius: float) -> NDArray[np.float32]:
+    """Return 0 within the core's radius, rising smoothly to 1 at twice the radius."""
+    refuse.positive("core_radius", radius)
+    rows, columns = (np.arange(n) - n // 2 for n in shape)
+    share = np.clip(np.hypot(rows[:, None], columns) / radius - 1, 0, 1)
+    return np.asarray(share**2 * (3 - 2 * share), dtype=np.float32)
+
+
+def _above_knee(source: Picture, threshold: float, knee: float) -> NDArray[np.float32]:
+    """Scale each pixel by the part of its luminance that lies above the knee."""
+    refuse.between("knee", knee, 0, 1)
+    if not refuse.finite("threshold", threshold) >= 0:
+        raise refuse.Refusal(f"'threshold' must be a number >= 0, got {threshold:g}.")
+    colour = source.pixels[..., :3]
+    luminance = colour @ light.SPACES[source.colour_space].to_xyz[1].astype(np.float32)
+    low = np.float32(threshold * (1 - knee))
+    width = np.float32(2 * (threshold - low))
+    over = np.maximum(luminance - low, 0)
+    # A parabola joins zero to the straight line luminance − threshold.
+    soft = over**2 / (2 * width) if width > 0 else over
+    above = np.where(over < width, soft, luminance - np.float32(threshold))
+    share = np.where(luminance > 0, above / np.where(luminance > 0, luminance, 1), 0)
+    return np.asarray(colour * share[..., None], dtype=np.float32)
+
+
+def _checked_matte(matte: NDArray[np.floating], shape: tuple[int, int]) -> NDArray[np.float32]:
+    values = refuse.all_finite("matte", refuse.shape_of("matte", matte, shape))
+    return np.clip(values, 0, 1).astype(np.float32)[..., None]
+
+
+def _same_space(source: Picture, psf: Picture) -> None:
+    if source.colour_space != psf.colour_space:
+        raise refuse.Refusal(
+            f"'psf' must be in the picture's colour space '{source.colour_space}', got '{psf.colour_space}'."
+        )
+
+
+def _with_colour(source: Picture, colour: NDArray[np.float32]) -> Picture:
+    pixels = np.array(source.pixels, dtype=np.float32)
+    pixels[..., :3] = colour
+    metadata: Mapping[str, Any] = source.metadata
+    return Picture(pixels, source.colour_space, metadata)

@@ -1,0 +1,137 @@
+"""Kernels from point spread functions: borders that fade, no negative light, other programs' habits."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import light, refuse
+from aureole.records import Picture
+
+# Part of the half size over which a kernel falls to zero at its border.
+FADE = 0.25
+HOSTS = ("unreal", "blender", "nuke")
+
+
+def fade(shape: tuple[int, int], width: float = FADE) -> NDArray[np.float32]:
+    """Return the radial window that takes a kernel to exactly zero at its border.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (rows, columns); sides shorter than 9 pixels are not faded.
+    width : float
+        Part of the half size over which the window falls from 1 to 0.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        1 about the centre, 0 from the border's nearest pixel on.
+    """
+    if width == 0 or min(shape) < 9:
+        return np.ones(shape, dtype=np.float32)
+    rows, columns = (np.abs(np.arange(n) - n // 2) / ((n - 1) // 2) for n in shape)
+    radius = np.hypot(rows[:, None], columns)
+    share = np.clip((1 - radius) / width, 0, 1)
+    # The quintic has no visible start and no visible end.
+    return np.asarray(share**3 * (10 - 15 * share + 6 * share**2), dtype=np.float32)
+
+
+def nonnegative(psf: Picture) -> Picture:
+    """Take out-of-gamut colour to the gamut's edge, keeping each channel's sum.
+
+    Parameters
+    ----------
+    psf : Picture
+        Linear RGB.
+
+    Returns
+    -------
+    Picture
+        Each pixel with a negative channel mixed with its own grey until none is negative, then each
+        channel scaled to the sum it had.
+    """
+    colour = psf.pixels[..., :3]
+    low = colour.min(axis=2)
+    if float(low.min()) >= 0:
+        return psf
+    grey = np.maximum(colour @ light.SPACES[psf.colour_space].to_xyz[1].astype(np.float32), 0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.where(low < 0, grey / (grey - low), 1.0)
+    share = np.nan_to_num(share, nan=0.0).astype(np.float32)[..., None]
+    mapped = np.maximum(grey[..., None] + share * (colour - grey[..., None]), 0)
+    before, after = (part.sum(axis=(0, 1), dtype=np.float64) for part in (colour, mapped))
+    mapped *= (before / after).astype(np.float32)
+    return Picture(mapped, psf.colour_space, psf.metadata)
+
+
+def kernel_for(psf: Picture, host: str) -> Picture:
+    """Return a kernel as another program expects it.
+
+    Parameters
+    ----------
+    psf : Picture
+        A point spread function with its core at (rows//2, columns//2).
+    host : str
+        "unreal": square, core at the centre, for convolution bloom. "blender": turned by 180 degrees,
+        since its Convolve node correlates, core at (K//2, K//2). "nuke": each channel sums to 1.
+
+    Returns
+    -------
+    Picture
+        Non-negative float32; sums kept, but for "nuke".
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the host is unknown.
+    """
+    refuse.one_of("host", host, HOSTS)
+    kernel = nonnegative(psf)
+    pixels = kernel.pixels[..., :3]
+    if host == "unreal":
+        pixels = _square(pixels)
+    elif host == "blender":
+        pixels = pixels[::-1, ::-1]
+        # Turning an even side moves the core one pixel up; it is put back.
+        pixels = np.roll(pixels, [1 - side % 2 for side in pixels.shape[:2]], axis=(0, 1))
+    else:
+        total = pixels.sum(axis=(0, 1), dtype=np.float64)
+        pixels = (pixels / total).astype(np.float32)
+    return Picture(np.ascontiguousarray(pixels), kernel.colour_space, kernel.metadata)
+
+
+def encircled_energy(psf: Picture, radius: float, pixel_pitch: tuple[float, float]) -> float:
+    """Return the energy within a circle about the core, mean over channels.
+
+    Parameters
+    ----------
+    psf : Picture
+        Energy per pixel; a pixel on the circle counts by the part of it within.
+    radius : float
+        Metres on the sensor.
+    pixel_pitch : tuple of float
+        Pixel size (y, x) in metres.
+
+    Returns
+    -------
+    float
+        Fraction of the whole energy.
+    """
+    rows, columns = psf.pixels.shape[:2]
+    offsets = (np.arange(8) + 0.5) / 8 - 0.5
+    y = ((np.arange(rows) - rows // 2)[:, None] + offsets).ravel() * pixel_pitch[0]
+    x = ((np.arange(columns) - columns // 2)[:, None] + offsets).ravel() * pixel_pitch[1]
+    inside = np.zeros((rows, columns))
+    for row in range(rows):
+        # Each pixel is sampled at 8 × 8 places.
+        part = np.hypot(y[8 * row : 8 * row + 8, None], x) <= radius
+        inside[row] = part.reshape(8, columns, 8).mean(axis=(0, 2))
+    return float((psf.pixels[..., :3].mean(axis=2, dtype=np.float64) * inside).sum())
+
+
+def _square(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Set pixels on a dark square with the core at its centre."""
+    side = max(pixels.shape[:2])
+    square = np.zeros((side, side, 3), dtype=np.float32)
+    top, left = (side // 2 - length // 2 for length in pixels.shape[:2])
+    square[top : top + pixels.shape[0], left : left + pixels.shape[1]] = pixels
+    return square
