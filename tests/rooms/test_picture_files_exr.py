@@ -1,5 +1,6 @@
 """EXR in and out: what goes in comes out, bit for bit, and what cannot is said."""
 
+import struct
 from dataclasses import replace
 
 import numpy as np
@@ -62,6 +63,22 @@ def test_windows_and_attributes_come_back(tmp_path):
     assert set(before) == set(after)
     for name in before:
         assert str(before[name]) == str(after[name]), name
+
+
+def test_attributes_of_other_times_and_programs(tmp_path):
+    attributes = samples.exr_attribute("owner", "string", "Grüße".encode("latin-1"))
+    attributes += samples.exr_attribute("framesPerSecond", "rational", struct.pack("<iI", 24000, 1001))
+    attributes += samples.exr_attribute("odd", "oddtype", b"abc")
+    plane = np.ones((4, 4), np.float32)
+    identifiers = np.arange(16, dtype=np.uint32).reshape(4, 4) + 4_000_000_000
+    parts = {"Y": (plane, 1), "id": (identifiers, 1)}
+    read = picture.read(samples.write_subsampled(tmp_path / "in.exr", parts, attributes=attributes))
+    assert picture.notes(read) == ("'in.exr': attributes that cannot be carried: odd.",)
+    picture.write(tmp_path / "out.exr", read)
+    after = samples.exr_header(tmp_path / "out.exr")
+    assert after["owner"] == "Grüße"
+    assert str(after["framesPerSecond"]) == "24000/1001"
+    np.testing.assert_array_equal(samples.exr_channels(tmp_path / "out.exr")["id"], identifiers)
 
 
 def test_no_date_is_invented(tmp_path):

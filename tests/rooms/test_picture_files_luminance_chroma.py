@@ -122,3 +122,12 @@ def test_a_cut_file_is_refused(tmp_path):
     source.write_bytes(source.read_bytes()[:-100])
     with pytest.raises(refuse.Refusal, match=r"'.*in\.exr' is damaged or cut short: .*\.$"):
         picture.read(source)
+
+
+def test_what_cannot_be_carried_is_said(tmp_path):
+    plane = np.ones((4, 4), np.float16)
+    parts = {"Y": (plane, 1), "RY": (plane[:2, :2].copy(), 2), "BY": (plane[:2, :2].copy(), 2)}
+    odd = samples.exr_attribute("odd", "oddtype", b"abc")
+    header = picture.describe(samples.write_subsampled(tmp_path / "in.exr", parts, attributes=odd))
+    assert header.notes[1:] == ("'in.exr': attributes that cannot be carried: odd.",)
+    assert header.compression == "none"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from aureole import refuse
 from aureole.picture import luminance_chroma, primaries
 from aureole.picture.channels import choose_colour
-from aureole.picture.metadata import Attribute, Channel, Colour, Header, Window
+from aureole.picture.metadata import Attribute, Channel, Header, Window, text_of
 
 if TYPE_CHECKING:  # imported where it is used, so that importing the room stays quick
     import OpenImageIO
@@ -224,6 +224,7 @@ def _header(path: Path, source: "OpenImageIO.ImageInput") -> Header:
     space, chromaticities, space_note = _colour_space(spec, format)
     data = Window(spec.x, spec.y, spec.width, spec.height)
     display = Window(spec.full_x, spec.full_y, spec.full_width, spec.full_height)
+    attributes, lost_note = _attributes(spec, format)
     turned = orientation(spec, format) in QUARTER_TURNS
     aspect = spec.get_float_attribute("PixelAspectRatio", 1.0) or 1.0
     return Header(
@@ -237,8 +238,8 @@ def _header(path: Path, source: "OpenImageIO.ImageInput") -> Header:
         pixel_aspect=1 / aspect if turned else aspect,
         compression=spec.get_string_attribute("compression"),
         tile=(spec.tile_height, spec.tile_width) if spec.tile_width else None,
-        attributes=_attributes(spec, format),
-        notes=_notes(path, _parts(spec), layer_note, space_note, _display_note(spec, format, colour)),
+        attributes=attributes,
+        notes=_notes(path, _parts(spec), layer_note, space_note, _display_note(spec, format), lost_note),
     )
 
 
@@ -272,7 +273,7 @@ def _is_eight(value: object) -> bool:
     return isinstance(value, Sequence) and len(value) == 8
 
 
-def _display_note(spec: "OpenImageIO.ImageSpec", format: str, colour: Colour) -> str:
+def _display_note(spec: "OpenImageIO.ImageSpec", format: str) -> str:
     """Say where a display-referred file says that it is something else than sRGB."""
     if format == "openexr" or not str(spec.format).startswith("uint"):
         return ""
@@ -283,15 +284,34 @@ def _display_note(spec: "OpenImageIO.ImageSpec", format: str, colour: Colour) ->
     return "" if space in _DISPLAY_SPACES else f"it says '{space}'; its numbers are taken as sRGB"
 
 
-def _attributes(spec: "OpenImageIO.ImageSpec", format: str) -> dict[str, Attribute]:
-    """Keep what a file says besides its layout; Orientation is obeyed on reading, except in EXR."""
-    kept = {}
+def _attributes(spec: "OpenImageIO.ImageSpec", format: str) -> tuple[dict[str, Attribute], str]:
+    """Keep what a file says besides its layout, and name what cannot be given back."""
+    kept, lost = {}, []
     for attribute in spec.extra_attribs:
         name = attribute.name.lower()
         laid_out = name.startswith(_LAYOUT) or name in _LAYOUT_NAMES
+        # Orientation is obeyed on reading, except in EXR, where nobody does.
         if laid_out or (name == "orientation" and format != "openexr"):
             continue
-        with contextlib.suppress(UnicodeDecodeError):
-            if attribute.value is not None:
-                kept[attribute.name] = Attribute(str(attribute.type), attribute.value)
-    return kept
+        found = _attribute(attribute)
+        if found:
+            kept[attribute.name] = found
+        else:
+            lost.append(attribute.name)
+    return kept, f"attributes that cannot be carried: {', '.join(lost)}" if lost else ""
+
+
+def _attribute(attribute: "OpenImageIO.ParamValue") -> Attribute | None:
+    """Take an attribute if it can be given back; text that is not UTF-8 is taken as Latin-1."""
+    import OpenImageIO
+
+    type, value = str(attribute.type), attribute.value
+    if type.startswith("uint8["):  # bytes of a type that the library does not know
+        return None
+    if isinstance(value, str):
+        value = text_of(value.encode(errors="surrogateescape"))
+    try:
+        OpenImageIO.ImageSpec().attribute(attribute.name, OpenImageIO.TypeDesc(type), value)
+    except (RuntimeError, TypeError, ValueError):
+        return None
+    return Attribute(type, value)

@@ -6,7 +6,6 @@ then columns, by the windowed sinc of OpenEXR's own RGBA reader, which also tame
 saturation stands out from all their neighbours'. Written again, such a picture is ordinary RGB.
 """
 
-import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from aureole import refuse
 from aureole.picture import primaries
 from aureole.picture.channels import choose_colour
-from aureole.picture.metadata import Attribute, Channel, Header, Window
+from aureole.picture.metadata import Attribute, Channel, Header, Window, text_of
 
 # Windowed sinc at ±1, ±3, ... ±13 pixels from a pixel halfway between two chroma samples.
 _TAPS = (0.627123, -0.186077, 0.087929, -0.043159, 0.019597, -0.007540, 0.002128)
@@ -61,7 +60,7 @@ def describe(path: Path) -> Header:
     if colour is None or not colour.is_luminance_chroma:
         raise refuse.Refusal(f"'{path}' has subsampled channels other than RY and BY: {', '.join(names)}.")
     _refuse_sampling(path, said["channels"])
-    chromaticities = _chromaticities(said)
+    chromaticities, (attributes, lost) = _chromaticities(said), _attributes(said)
     space = primaries.recognise(chromaticities) if chromaticities else "rec709"
     return Header(
         format="openexr",
@@ -72,9 +71,11 @@ def describe(path: Path) -> Header:
         colour_space=space or "rec709",
         chromaticities=chromaticities,
         pixel_aspect=float(said["pixelAspectRatio"]),
-        compression=str(said["compression"]).removesuffix("_COMPRESSION").lower(),
-        attributes=_attributes(said),
-        notes=(f"'{path.name}': luminance and chroma are read as RGB.",),
+        compression=_compression(said),
+        attributes=attributes,
+        notes=tuple(
+            f"'{path.name}': {note}." for note in ("luminance and chroma are read as RGB", lost) if note
+        ),
     )
 
 
@@ -217,18 +218,24 @@ def _chromaticities(said: dict[str, Any]) -> tuple[float, ...] | None:
     return tuple(float(value) for point in points for value in (point.x, point.y))
 
 
-def _attributes(said: dict[str, Any]) -> dict[str, Attribute]:
-    """Keep texts, numbers and pairs of numbers, under OpenImageIO's names."""
-    kept = {}
-    for name in said.keys() - _LAYOUT - _NAMED:
-        value, attribute = said[name], None
+def _compression(said: dict[str, Any]) -> str:
+    name = str(said["compression"]).removesuffix("_COMPRESSION").lower()
+    return "none" if name == "no" else name
+
+
+def _attributes(said: dict[str, Any]) -> tuple[dict[str, Attribute], str]:
+    """Keep texts, numbers and pairs of numbers under OpenImageIO's names, and name the rest."""
+    kept, lost = {}, []
+    for name in sorted(said.keys() - _LAYOUT - _NAMED):
+        value = said[name]
         if isinstance(value, bytes):
-            with contextlib.suppress(UnicodeDecodeError):
-                attribute = Attribute("string", value.decode())
+            attribute = Attribute("string", text_of(value))
         elif isinstance(value, int | float):
             attribute = Attribute("int" if isinstance(value, int) else "float", value)
         elif type(value).__name__ == "V2f":
             attribute = Attribute("float2", (value.x, value.y))
-        if attribute:
-            kept[_RENAMED.get(name, name)] = attribute
-    return kept
+        else:
+            lost.append(name)
+            continue
+        kept[_RENAMED.get(name, name)] = attribute
+    return kept, f"attributes that cannot be carried: {', '.join(lost)}" if lost else ""

@@ -156,6 +156,25 @@ class Header:
         return self.data_window.height * self.data_window.width * (len(self.channels) + picture) * 4
 
 
+def text_of(stored: bytes) -> str:
+    """Read a file's text, whatever program wrote it.
+
+    Parameters
+    ----------
+    stored : bytes
+        The bytes in the file.
+
+    Returns
+    -------
+    str
+        Taken as UTF-8, else as Latin-1.
+    """
+    try:
+        return stored.decode()
+    except UnicodeDecodeError:
+        return stored.decode("latin-1")
+
+
 def header_of(picture: Picture) -> Header | None:
     """Find what a picture's file said.
 
