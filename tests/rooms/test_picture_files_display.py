@@ -6,8 +6,8 @@ import numpy as np
 import picture_samples as samples
 import pytest
 
-from aureole import picture
-from aureole.picture.primaries import conversion, to_xyz
+from aureole import light, picture
+from aureole.picture.primaries import CHROMATICITIES, conversion, to_xyz
 from aureole.picture.transfer import into_gamut
 from aureole.records import Picture
 
@@ -36,6 +36,12 @@ def test_rec709_matrices_of_the_standard():
 def test_conversion_keeps_white(space):
     np.testing.assert_allclose(conversion(space).sum(axis=1), 1, atol=1e-12)
     np.testing.assert_allclose(conversion(space) @ conversion("rec709", space), np.eye(3), atol=1e-12)
+
+
+def test_the_light_room_means_the_same_spaces():
+    assert set(CHROMATICITIES) == set(light.SPACES)
+    for name, space in light.SPACES.items():
+        np.testing.assert_allclose(to_xyz(CHROMATICITIES[name]), space.to_xyz, atol=1e-6)
 
 
 def test_ap0_to_ap1_matrix_of_the_academy():
