@@ -10,8 +10,10 @@
 - `primaries`: in: chromaticities, out: a colour space's name, and matrices between spaces
 - `transfer`: in: linear light, out: the numbers of display-referred files, and back
 - `color_config`: OpenColorIO configurations where one is given
+- `convolution`: in: pixels and a kernel, out: pixels of the same size
 """
 
+from aureole.picture.convolution import convolve
 from aureole.picture.files import SUFFIXES, describe, format_of, refuse_memory
 from aureole.picture.metadata import (
     Attribute,
@@ -37,6 +39,7 @@ __all__ = [
     "Colour",
     "Header",
     "Window",
+    "convolve",
     "decode_srgb",
     "describe",
     "encode_srgb",
