@@ -75,7 +75,9 @@ def prepare(
     kernel = nonnegative(psf).pixels[..., :3].copy()
     total = kernel.sum(axis=(0, 1), dtype=np.float64)
     if float(total.max()) > 1.01:
-        raise refuse.Refusal(f"'psf' must hold at most all energy (sum <= 1), got a sum of {total.max():.3g}.")
+        raise refuse.Refusal(
+            f"'psf' must hold at most all energy (sum <= 1), got a sum of {total.max():.3g}."
+        )
     if mode == "replace":
         row, column = kernel.shape[0] // 2, kernel.shape[1] // 2
         kernel[row, column] = 0
@@ -176,7 +178,7 @@ def _above_knee(source: Picture, threshold: float, knee: float) -> NDArray[np.fl
 
 def _checked_matte(matte: NDArray[np.floating], shape: tuple[int, int]) -> NDArray[np.float32]:
     values = refuse.all_finite("matte", refuse.shape_of("matte", matte, shape))
-    return np.clip(values, 0, 1).astype(np.float32)[..., None]
+    return np.asarray(np.clip(values, 0, 1), dtype=np.float32)[..., None]
 
 
 def _same_space(source: Picture, psf: Picture) -> None:

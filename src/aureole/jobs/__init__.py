@@ -1,1 +1,32 @@
-"""jobs"""
+"""Jobs: a frozen record each, and run(job) that yields stages. Every face of Aureole calls these.
+
+In: records of plain values, pictures. Out: `Stage`s, the last of which holds the job's result.
+
+optics      descriptions of apertures and cameras as people give them, made into records
+glare       the main job: a picture with the glare that a camera adds
+starburst   a point spread function, or a kernel for another program
+aperture    an aperture drawn, with its quadtree's counts
+demo        the main job on the bundled scene
+"""
+
+from aureole.jobs.aperture import ApertureJob, ApertureResult
+from aureole.jobs.demo import DemoJob, DemoResult
+from aureole.jobs.glare import GlareJob, GlareResult
+from aureole.jobs.optics import Opening, Optics
+from aureole.jobs.run import finish, run
+from aureole.jobs.starburst import StarburstJob, StarburstResult
+
+__all__ = [
+    "ApertureJob",
+    "ApertureResult",
+    "DemoJob",
+    "DemoResult",
+    "GlareJob",
+    "GlareResult",
+    "Opening",
+    "Optics",
+    "StarburstJob",
+    "StarburstResult",
+    "finish",
+    "run",
+]

@@ -11,10 +11,13 @@
 - `transfer`: in: linear light, out: the numbers of display-referred files, and back
 - `color_config`: OpenColorIO configurations where one is given
 - `convolution`: in: pixels and a kernel, out: pixels of the same size
+- `display`: in: linear pictures, out: pixels that are ready for a screen
+- `scene`: in: a size and a seed, out: the bundled night scene
 """
 
-from aureole.picture.convolution import convolve
-from aureole.picture.files import SUFFIXES, describe, format_of, refuse_memory
+from aureole.picture.convolution import Convolver, convolve
+from aureole.picture.display import auto_exposure, false_colour, log_scale, side_by_side, to_display
+from aureole.picture.files import SUFFIXES, allowed_memory, describe, format_of, refuse_memory
 from aureole.picture.metadata import (
     Attribute,
     Channel,
@@ -27,6 +30,7 @@ from aureole.picture.metadata import (
     with_notes,
 )
 from aureole.picture.reading import read
+from aureole.picture.scene import night_scene
 from aureole.picture.transfer import decode_srgb, encode_srgb
 from aureole.picture.whole_files import whole_file, writable
 from aureole.picture.writing import COMPRESSIONS, write
@@ -37,18 +41,26 @@ __all__ = [
     "Attribute",
     "Channel",
     "Colour",
+    "Convolver",
     "Header",
     "Window",
+    "allowed_memory",
+    "auto_exposure",
     "convolve",
     "decode_srgb",
     "describe",
     "encode_srgb",
     "extra_channels",
+    "false_colour",
     "format_of",
     "header_of",
+    "log_scale",
+    "night_scene",
     "notes",
     "read",
     "refuse_memory",
+    "side_by_side",
+    "to_display",
     "whole_file",
     "with_notes",
     "writable",

@@ -148,6 +148,24 @@ def said(speaker: object) -> str:
     return lines[0].strip().rstrip(".")
 
 
+def allowed_memory(allowed: int | None = None) -> int:
+    """Return how much memory may be used.
+
+    Parameters
+    ----------
+    allowed : int or None
+        Bytes; None is three quarters of what is free.
+
+    Returns
+    -------
+    int
+        Bytes.
+    """
+    import psutil
+
+    return int(MEMORY_SHARE * psutil.virtual_memory().available) if allowed is None else allowed
+
+
 def refuse_memory(path: str | os.PathLike[str], header: Header, allowed: int | None = None) -> None:
     """Refuse a picture that would need more memory than is allowed.
 
@@ -165,9 +183,7 @@ def refuse_memory(path: str | os.PathLike[str], header: Header, allowed: int | N
     refuse.Refusal
         Where its pixels need more.
     """
-    import psutil
-
-    limit = int(MEMORY_SHARE * psutil.virtual_memory().available) if allowed is None else allowed
+    limit = allowed_memory(allowed)
     if header.memory > limit:
         rows, columns = header.shape
         raise refuse.Refusal(

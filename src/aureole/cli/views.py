@@ -1,0 +1,89 @@
+"""What people look at: previews of pictures and kernels, and mattes read from files."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import light, picture, refuse
+from aureole.records import Picture
+
+
+def matte(path: Path, source: Picture) -> NDArray[np.float32]:
+    """Read a matte of a picture's size.
+
+    Parameters
+    ----------
+    path : Path
+        A picture whose grey is 0..1.
+    source : Picture
+        The picture that it belongs to.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Luminance, clipped to 0..1.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the sizes differ.
+    """
+    given = picture.read(path)
+    if given.pixels.shape[:2] != source.pixels.shape[:2]:
+        have, want = given.pixels.shape, source.pixels.shape
+        raise refuse.Refusal(
+            f"'matte' must be {want[1]} x {want[0]} pixels like the picture, got {have[1]} x {have[0]}."
+        )
+    weights = light.SPACES["rec709"].to_xyz[1].astype(np.float32)
+    return np.asarray(np.clip(given.pixels[..., :3] @ weights, 0, 1), dtype=np.float32)
+
+
+def exposed(after: Picture, before: Picture) -> NDArray[np.float32]:
+    """Show a picture at the exposure that suits another.
+
+    Parameters
+    ----------
+    after : Picture
+        Linear; what is shown.
+    before : Picture
+        Linear; what the exposure is chosen from.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns, 3)
+        Ready for a screen.
+    """
+    return picture.to_display(after, exposure=picture.auto_exposure(before))
+
+
+def before_and_after(before: Picture, after: Picture) -> NDArray[np.float32]:
+    """Show a picture without and with glare side by side, at one exposure.
+
+    Parameters
+    ----------
+    before, after : Picture
+        Linear.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns, 3)
+        Ready for a screen.
+    """
+    return picture.side_by_side([exposed(before, before), exposed(after, before)])
+
+
+def kernel(psf: Picture) -> NDArray[np.float32]:
+    """Show a kernel over ten decades, in its own colours.
+
+    Parameters
+    ----------
+    psf : Picture
+        Energy per pixel.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns, 3)
+        Ready for a screen.
+    """
+    return picture.to_display(psf, exposure=0.0, tone="log")

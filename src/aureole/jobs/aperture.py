@@ -1,0 +1,86 @@
+"""The aperture job: an opening drawn, with the counts that its transforms depend on."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from aureole import aperture as apertures
+from aureole import diffraction, refuse
+from aureole.jobs.optics import DEFAULT_CAMERA, Opening
+from aureole.presets import load
+from aureole.records import Aperture, Picture, Stage
+
+
+@dataclass(frozen=True)
+class ApertureJob:
+    """What opening to draw.
+
+    Parameters
+    ----------
+    opening : Opening
+        Its shape.
+    iris : str, optional
+        Iris preset for what the opening leaves out.
+    size : int
+        Pixels on each side.
+    finest : str
+        Finest level of the quadtree whose quads are counted.
+    """
+
+    opening: Opening = field(default_factory=Opening)
+    iris: str | None = None
+    size: int = 512
+    finest: str = "full"
+
+
+@dataclass(frozen=True, eq=False)
+class ApertureResult:
+    """A drawn opening.
+
+    Parameters
+    ----------
+    picture : Picture
+        Transmittance as linear grey.
+    aperture : Aperture
+        The opening itself.
+    report : dict
+        Plain numbers.
+    """
+
+    picture: Picture
+    aperture: Aperture
+    report: dict[str, Any]
+
+
+def run_aperture(job: ApertureJob) -> Iterator[Stage]:
+    """Run an aperture job.
+
+    Parameters
+    ----------
+    job : ApertureJob
+        What to draw.
+
+    Yields
+    ------
+    Stage
+        The last one holds an `ApertureResult`.
+    """
+    refuse.at_least("size", job.size, 1)
+    yield Stage(0.0, "aperture")
+    shape = job.opening.build(job.iris or load("cameras", DEFAULT_CAMERA).iris)
+    mask = apertures.rasterize(shape, job.size)
+    yield Stage(0.5, "quadtree")
+    quads = diffraction.quadtree(mask, shape.width, job.finest)
+    report = {
+        "aperture": shape.name,
+        "size": job.size,
+        "open_area_fraction": float(mask.mean(dtype=np.float64)),
+        "outlines": len(shape.outlines),
+        "edges": sum(len(ring.vertices) for ring in shape.outlines),
+        "quads": len(quads),
+        "negative_quads": int(np.count_nonzero(quads.weights < 0)),
+    }
+    grey = np.repeat(mask[..., None], 3, axis=2)
+    yield Stage(1.0, "aperture", ApertureResult(Picture(grey), shape, report))

@@ -1,0 +1,180 @@
+"""The main job: a linear HDR picture in, the same picture with a camera's glare out."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import glare, light, picture, refuse
+from aureole.jobs.optics import Optics
+from aureole.jobs.starburst import psf_report
+from aureole.records import Camera, Picture, Stage
+
+# Measured peaks, rounded up: the starburst's widest pattern and the convolution's spectra.
+BYTES_PER_KERNEL_PIXEL = 150
+BYTES_PER_PIXEL = 100
+
+
+@dataclass(frozen=True, eq=False)
+class GlareJob:
+    """What glare to lay over which picture.
+
+    Parameters
+    ----------
+    picture : Picture
+        Linear; it spans the sensor's width.
+    optics : Optics
+        The camera.
+    illuminant : str
+        Spectrum of white in the picture.
+    mode : str
+        "replace", "scatter" or "add".
+    matte : ndarray, optional
+        0..1, which pixels are sources.
+    threshold, knee, gain : float
+        Of mode "add".
+    tint : tuple of float
+        Of mode "add".
+    kernel_size : int, optional
+        Side of the square kernel in pixels; as large as the picture's longer side otherwise.
+    pixel_pitch : float, optional
+        Metres on the sensor, in place of the sensor's width over the picture's.
+    method : str
+        As in `aureole.diffraction.starburst`.
+    border_fade : float
+        Part of the kernel's half size over which it fades to zero.
+    memory : int, optional
+        Most bytes to use; three quarters of what is free otherwise.
+    """
+
+    picture: Picture
+    optics: Optics = field(default_factory=Optics)
+    illuminant: str = "D65"
+    mode: str = "replace"
+    matte: NDArray[np.floating] | None = None
+    threshold: float = 1.0
+    knee: float = 0.5
+    gain: float = 1.0
+    tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    kernel_size: int | None = None
+    pixel_pitch: float | None = None
+    method: str = "auto"
+    border_fade: float = 0.25
+    memory: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class GlareResult:
+    """A picture with glare, the kernel that made it, and what is worth knowing.
+
+    Parameters
+    ----------
+    picture : Picture
+        Size, windows and channels of the source.
+    psf : Picture
+        The point spread function.
+    camera : Camera
+        The camera it is of.
+    report : dict
+        Plain numbers with units in their names.
+    """
+
+    picture: Picture
+    psf: Picture
+    camera: Camera
+    report: dict[str, Any]
+
+
+def run_glare(job: GlareJob) -> Iterator[Stage]:
+    """Run a glare job.
+
+    Parameters
+    ----------
+    job : GlareJob
+        What to do.
+
+    Yields
+    ------
+    Stage
+        The last one holds a `GlareResult`.
+    """
+    refuse.one_of("mode", job.mode, glare.MODES)
+    source, space = _in_working_space(job.picture)
+    lamp = light.illuminant(job.illuminant)
+    camera = picture_camera(job)
+    size = _kernel_size(job, camera)
+    _refuse_memory(job, size)
+    psf = None
+    for stage in glare.camera_psf_stages(
+        camera, (size, size), lamp, space, job.method, "area", job.border_fade
+    ):
+        psf = stage.result
+        yield Stage(0.7 * stage.fraction, stage.label)
+    assert isinstance(psf, Picture)
+    yield Stage(0.7, "preparing the kernel")
+    rows, columns = source.pixels.shape[:2]
+    ready = glare.prepare(psf, (rows, columns), job.mode)
+    yield Stage(0.8, "spreading the light")
+    out = glare.composite(
+        source, ready, matte=job.matte, threshold=job.threshold, knee=job.knee, gain=job.gain, tint=job.tint
+    )
+    report = psf_report(camera, psf, lamp.name)
+    report["mode"] = job.mode
+    report["energy_returned_to_core"] = ready.returned
+    report["sum_before"] = _sums(job.picture)
+    report["sum_after"] = _sums(out)
+    out = Picture(out.pixels, job.picture.colour_space, job.picture.metadata)
+    yield Stage(1.0, "glare", GlareResult(out, psf, camera, report))
+
+
+def picture_camera(job: GlareJob) -> Camera:
+    """Return the camera whose sensor the picture's display window fills from side to side.
+
+    Parameters
+    ----------
+    job : GlareJob
+        Any.
+
+    Returns
+    -------
+    Camera
+        Its resolution that of the display window.
+    """
+    header = picture.header_of(job.picture)
+    rows, columns = job.picture.pixels.shape[:2]
+    aspect = 1.0
+    if header is not None:
+        rows, columns = header.display_window.height, header.display_window.width
+        aspect = header.pixel_aspect
+    return job.optics.camera((rows, columns), aspect, job.pixel_pitch)
+
+
+def _kernel_size(job: GlareJob, camera: Camera) -> int:
+    """Return an odd side, so that the core has as much on each side."""
+    if job.kernel_size is not None:
+        return refuse.at_least("kernel_size", job.kernel_size, 1)
+    return max(camera.resolution) | 1
+
+
+def _refuse_memory(job: GlareJob, size: int) -> None:
+    """Refuse a kernel and a picture that would not fit, before any work."""
+    rows, columns = job.picture.pixels.shape[:2]
+    needed = BYTES_PER_KERNEL_PIXEL * size**2 + BYTES_PER_PIXEL * rows * columns
+    limit = picture.allowed_memory(job.memory)
+    if needed > limit:
+        raise refuse.Refusal(
+            f"a kernel of {size} x {size} on {columns} x {rows} pixels needs about {needed / 1e9:.3g} GB of "
+            f"memory, {limit / 1e9:.3g} GB are allowed; see --memory and --kernel-size."
+        )
+
+
+def _in_working_space(source: Picture) -> tuple[Picture, str]:
+    """Take primaries that have no name of ours as the working space's own."""
+    space = source.colour_space if source.colour_space in light.SPACES else "rec709"
+    return Picture(source.pixels, space, source.metadata), space
+
+
+def _sums(source: Picture) -> list[float]:
+    return [float(value) for value in source.pixels[..., :3].sum(axis=(0, 1), dtype=np.float64)]

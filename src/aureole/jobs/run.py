@@ -1,0 +1,50 @@
+"""Running any job: stages as they come, or only the end."""
+
+from collections.abc import Iterable, Iterator
+from functools import singledispatch
+from typing import Any
+
+from aureole.jobs import aperture, demo, glare, starburst
+from aureole.records import Stage
+
+
+@singledispatch
+def run(job: Any) -> Iterator[Stage]:
+    """Run a job, telling how far it is.
+
+    Parameters
+    ----------
+    job : GlareJob, StarburstJob, ApertureJob or DemoJob
+        What to do.
+
+    Returns
+    -------
+    iterator of Stage
+        The last stage has fraction 1 and holds the job's result.
+    """
+    raise TypeError(f"{type(job).__name__} is not a job")
+
+
+run.register(glare.GlareJob, glare.run_glare)
+run.register(starburst.StarburstJob, starburst.run_starburst)
+run.register(aperture.ApertureJob, aperture.run_aperture)
+run.register(demo.DemoJob, demo.run_demo)
+
+
+def finish(stages: Iterable[Stage]) -> Any:
+    """Run stages to the end and return the last one's result.
+
+    Parameters
+    ----------
+    stages : iterable of Stage
+        As `run` yields them.
+
+    Returns
+    -------
+    object
+        The result.
+    """
+    result = None
+    for stage in stages:
+        result = stage.result
+    return result
