@@ -161,7 +161,8 @@ def rotated(aperture: Aperture, angle: float) -> Aperture:
         Where the aperture is a raster.
     """
     _need_outlines(aperture, "rotated")
-    cosine, sine = math.cos(angle), math.sin(refuse.finite("angle", angle))
+    refuse.finite("angle", angle)
+    cosine, sine = math.cos(angle), math.sin(angle)
     turn = np.array([[cosine, -sine], [sine, cosine]])
     rings = tuple(Outline(r.vertices @ turn, r.bulges, r.transmittance) for r in aperture.outlines)
     return Aperture(_width_for(rings, aperture.width), rings, name=aperture.name)

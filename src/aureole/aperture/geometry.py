@@ -21,7 +21,15 @@ GAUSS_NODES = 12
 
 @dataclass(frozen=True)
 class Circle:
-    """A full circle: centre (x, y) and radius, in metres."""
+    """A full circle.
+
+    Parameters
+    ----------
+    x, y : float
+        Centre, metres.
+    radius : float
+        Metres.
+    """
 
     x: float
     y: float
@@ -173,6 +181,30 @@ def ring_moments(outline: Outline) -> tuple[float, NDArray[np.float64], NDArray[
     xy = np.sum(x * x * y * dy) / 2
     second = np.array([[np.sum(x**3 * dy) / 3, xy], [xy, -np.sum(y**3 * dx) / 3]])
     return area_, first, second
+
+
+def central_moments(outline: Outline) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+    """Return area, centroid and second moments about the centroid of a ring's inside.
+
+    Parameters
+    ----------
+    outline : Outline
+        Any ring; transmittance is not counted.
+
+    Returns
+    -------
+    area : float
+        Square metres; positive where the ring turns from +x towards +y.
+    centroid : ndarray, shape (2,)
+        Metres.
+    second : ndarray, shape (2, 2)
+        Integrals of xx, xy, yy from the centroid, m⁴, signed like the area.
+    """
+    # Moments about a corner first, lest a small ring far off the axis lose its digits.
+    corner = outline.vertices[0]
+    area_, first, second = ring_moments(Outline(outline.vertices - corner, outline.bulges))
+    offset = first / area_
+    return area_, corner + offset, second - area_ * np.outer(offset, offset)
 
 
 def orientation(outline: Outline) -> float:

@@ -14,6 +14,8 @@ from aureole.records import Aperture, Picture
 
 # Chords stray from arcs by less than this part of a pixel.
 CHORD_TOLERANCE = 1e-4
+# Coverage below this is rounding, not light.
+ROUNDING = 1e-9
 REC709_LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
@@ -68,9 +70,9 @@ def from_picture(picture: Picture, width: float) -> Aperture:
     Raises
     ------
     refuse.Refusal
-        Where the picture is black.
+        Where the picture is black, or holds NaN or infinity.
     """
-    colour = picture.pixels[..., :3].astype(np.float64)
+    colour = refuse.all_finite("picture", picture.pixels[..., :3]).astype(np.float64)
     grey = colour @ np.array(REC709_LUMINANCE) if colour.shape[-1] == 3 else colour[..., 0]
     grey = np.clip(grey / max(1.0, float(grey.max())), 0, 1)
     side = max(grey.shape)
@@ -111,7 +113,9 @@ def rasterize(aperture: Aperture, size: int) -> NDArray[np.float32]:
         _kernels.accumulate_edges(np.ascontiguousarray(points), coverage)
         covered = np.cumsum(coverage, axis=1)[:, :size]
         total += ring.transmittance * orientation(ring) * covered
-    return np.clip(total, 0, 1).astype(np.float32)
+    # Running sums end a rounding error off zero; a pixel without light must be exactly dark.
+    total[total < ROUNDING] = 0
+    return np.minimum(total, 1).astype(np.float32)
 
 
 def _resample(mask: NDArray[np.float32], size: int) -> NDArray[np.float32]:

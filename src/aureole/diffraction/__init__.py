@@ -12,8 +12,8 @@ starburst   a whole starburst over all wavelengths, point samples or pixel integ
 """
 
 from aureole.diffraction.far import METHODS, check_grid, far_field
-from aureole.diffraction.starburst import starburst, starburst_stages
 from aureole.diffraction.quadtree import FINEST, Quads, level_mask, paint, quadtree
+from aureole.diffraction.starburst import starburst, starburst_stages
 
 __all__ = [
     "FINEST",

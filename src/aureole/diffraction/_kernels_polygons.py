@@ -45,7 +45,7 @@ def rings(
     starts : ndarray, shape (K + 1,)
         First vertex of each ring.
     moments : ndarray, shape (K, 7)
-        Weight, area, first moments (2) and second moments xx, xy, yy of each ring.
+        Weight, area, centroid x, y and second moments xx, xy, yy about it of each ring.
     table : ndarray, shape (T, 2)
         Fresnel auxiliary functions f and g at steps of 1 / 64.
     nodes, weights : ndarray, shape (N,)
@@ -269,7 +269,7 @@ def _finish(
 ) -> None:
     """Divide the boundary integral by −i2π |q|², with the moments' series about the origin."""
     weight, area = moments[0], moments[1]
-    near = (3e-4) ** 2 / abs(area)
+    near = 1.5e-8 * area / (moments[4] + moments[6])
     for column in range(len(u)):
         uc = u[column]
         square = uc * uc + v * v
@@ -278,7 +278,8 @@ def _finish(
             value = total[column]
             out[column] += np.complex64(complex(-value.imag * factor, value.real * factor))
         else:
-            first = -2 * math.pi * (uc * moments[2] + v * moments[3])
+            # About the centroid, so that a small ring far off the axis has a short series too.
+            angle = -2 * math.pi * (uc * moments[2] + v * moments[3])
             second = moments[4] * uc * uc + 2 * moments[5] * uc * v + moments[6] * v * v
-            real = area - 2 * math.pi**2 * second
-            out[column] += np.complex64(complex(weight * real, weight * first))
+            real = weight * (area - 2 * math.pi**2 * second)
+            out[column] += np.complex64(complex(real * math.cos(angle), real * math.sin(angle)))

@@ -90,6 +90,8 @@ def check_grid(grid: Grid) -> None:
     refuse.Refusal
         Where a number is outside its range.
     """
+    for name, pair in (("shape", grid.shape), ("spacing", grid.spacing), ("centre", grid.centre)):
+        refuse.shape_of(f"grid {name}", pair, (2,))
     for axis, count, spacing, centre in zip(
         ("rows", "columns"), grid.shape, grid.spacing, grid.centre, strict=True
     ):

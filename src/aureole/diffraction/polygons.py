@@ -70,7 +70,7 @@ def _disc_field(
     values = radius * special.j1(2 * np.pi * radius * q) / np.where(at_origin, 1.0, q)
     values[at_origin] = np.pi * radius**2
     if disc.x == 0 and disc.y == 0:
-        return values.astype(np.complex64)
+        return np.asarray(values, dtype=np.complex64)
     phase_y = np.exp(-2j * np.pi * v * (disc.y / unit))
     phase_x = np.exp(-2j * np.pi * u * (disc.x / unit))
     return np.asarray(values * phase_y[:, None] * phase_x, dtype=np.complex64)
@@ -118,10 +118,10 @@ def _with_short_arcs(ring: Outline) -> tuple[NDArray[np.float64], NDArray[np.flo
 
 
 def _signed_moments(ring: Outline) -> list[float]:
-    """Return the ring's weight by its direction, then its area and moments by its direction."""
-    area, first, second = apertures.ring_moments(ring)
+    """Return the ring's weight by its direction, its area, its centroid and its moments about that."""
+    area, centroid, second = apertures.central_moments(ring)
     weight = math.copysign(ring.transmittance, area * ring.transmittance)
-    return [weight, area, first[0], first[1], second[0, 0], second[0, 1], second[1, 1]]
+    return [weight, area, centroid[0], centroid[1], second[0, 0], second[0, 1], second[1, 1]]
 
 
 @cache

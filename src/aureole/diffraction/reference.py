@@ -65,9 +65,9 @@ def _ring(ring: Outline, grid: Grid) -> NDArray[np.complex128]:
         across_x += (wave_y * dx) @ wave_x
         across_y += (wave_y * dy) @ wave_x
     square = v[:, None] ** 2 + u**2
-    area, first, second = apertures.ring_moments(ring)
-    near = square * abs(area) < 1e-8
+    area, (x, y), second = apertures.central_moments(ring)
+    near = square * np.trace(second) / area < 1e-9
     value = 1j * (u * across_y - v[:, None] * across_x) / (2 * np.pi * np.where(near, 1.0, square))
-    series = area - 2j * np.pi * (u * first[0] + v[:, None] * first[1])
     quadratic = second[0, 0] * u**2 + 2 * second[0, 1] * u * v[:, None] + second[1, 1] * v[:, None] ** 2
-    return np.where(near, series - 2 * np.pi**2 * quadratic, value)
+    series = (area - 2 * np.pi**2 * quadratic) * np.exp(-2j * np.pi * (u * x + v[:, None] * y))
+    return np.where(near, series, value)

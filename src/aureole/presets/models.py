@@ -16,11 +16,25 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 class IrisPreset(BaseModel):
     """Shape of an iris.
 
-    Fields: shape ("circle" or "iris"), blades, curvature 0..1, rotation_deg, obstruction (diameter
-    of a central disc over the iris's own), source.
+    Parameters
+    ----------
+    title : str
+        What it is, for a person.
+    source : str
+        Where the numbers come from.
+    shape : str
+        "circle" or "iris".
+    blades : int
+        3 to 100; of an iris.
+    curvature : float
+        Of an iris's blades over that of the circle through its corners, 0..1.
+    rotation_deg : float
+        Degrees, counter-clockwise as seen.
+    obstruction : float
+        Diameter of a central disc over the iris's own, 0 <= d < 1.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     title: str
     source: str
@@ -32,9 +46,27 @@ class IrisPreset(BaseModel):
 
 
 class CameraPreset(BaseModel):
-    """A camera with its lens: focal_length_mm, f_number, sensor size in millimetres, iris, source."""
+    """A camera with its lens.
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    Parameters
+    ----------
+    title : str
+        What it is, for a person.
+    source : str
+        Where the numbers come from.
+    focal_length_mm : float
+        Millimetres.
+    f_number : float
+        Focal length over the iris's diameter.
+    sensor_width_mm, sensor_height_mm : float
+        Millimetres.
+    columns, rows : int
+        Pixels of the whole sensor.
+    iris : str
+        Name or path of its iris preset.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     title: str
     source: str
@@ -66,7 +98,9 @@ def names(kind: str) -> list[str]:
     """
     refuse.one_of("kind", kind, KINDS)
     folder = resources.files("aureole.presets") / kind
-    return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    return sorted(
+        entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")
+    )
 
 
 def load(kind: str, name: str) -> Any:
@@ -97,7 +131,7 @@ def load(kind: str, name: str) -> Any:
         raise refuse.unknown_key(f"presets/{kind}", name, known)
     try:
         text = Path(name).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise refuse.Refusal(f"'{name}' cannot be read: {_reason(error)}.") from None
     return _parse(KINDS[kind], text, name)
 
@@ -107,6 +141,8 @@ def _parse(model: type[Model], text: str, where: str) -> Model:
         return model.model_validate(tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
         raise refuse.Refusal(f"'{where}' is not TOML: {error}.") from None
+    except RecursionError:
+        raise refuse.Refusal(f"'{where}' is not a preset: its values are nested too deeply.") from None
     except ValidationError as error:
         raise _first_refusal(where, error, model.model_fields) from None
 
