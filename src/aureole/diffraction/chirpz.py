@@ -6,6 +6,7 @@ chirp-z transform (L. Bluestein, 1970), or by a plain FFT where the frequencies 
 """
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,7 +130,7 @@ def _with_pixel(
 
 
 def _chirp(
-    rows: NDArray[np.generic], pixel: float, start: float, step: float, count: int
+    rows: NDArray[Any], pixel: float, start: float, step: float, count: int
 ) -> NDArray[np.complex64]:
     """Sum exp(−i2π f_j x_k) over the samples of each row, x_k the centres of its pixels."""
     size = rows.shape[1]

@@ -171,7 +171,7 @@ def _above_knee(source: Picture, threshold: float, knee: float) -> NDArray[np.fl
     over = np.maximum(luminance - low, 0)
     # A parabola joins zero to the straight line luminance − threshold.
     soft = over**2 / (2 * width) if width > 0 else over
-    above = np.where(over < width, soft, luminance - np.float32(threshold))
+    above = np.where(over < width, soft, np.maximum(luminance - np.float32(threshold), 0))
     share = np.where(luminance > 0, above / np.where(luminance > 0, luminance, 1), 0)
     return np.asarray(colour * share[..., None], dtype=np.float32)
 
