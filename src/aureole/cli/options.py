@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
 from aureole import refuse, units
 from aureole.jobs import Opening, Optics
 
-CAMERA, SHAPE, FILES = "Camera", "Aperture", "Files"
+CAMERA, SHAPE, FILES, MIXING, KERNEL = "Camera", "Aperture", "Files", "Compositing", "Kernel"
 
 Preset = Annotated[
     str | None,
@@ -85,6 +85,52 @@ Memory = Annotated[
     typer.Option(
         "--memory", help="Most to use, such as 8GB; three quarters of what is free.", rich_help_panel=FILES
     ),
+]
+
+Source = Annotated[Path, typer.Argument(metavar="IN", help="Linear HDR picture: EXR, HDR, TIFF, PNG, JPEG.")]
+Mode = Annotated[str, typer.Option(help="replace, scatter or add.", rich_help_panel=MIXING)]
+Threshold = Annotated[
+    float, typer.Option(help="Mode add: luminance above which light spreads.", rich_help_panel=MIXING)
+]
+Knee = Annotated[
+    float, typer.Option(help="Mode add: softness of the threshold, 0 to 1.", rich_help_panel=MIXING)
+]
+Gain = Annotated[float, typer.Option(help="Mode add: strength.", rich_help_panel=MIXING)]
+Tint = Annotated[str, typer.Option(help="Mode add: red,green,blue factors.", rich_help_panel=MIXING)]
+Matte = Annotated[
+    Path | None, typer.Option(help="Picture whose white marks the sources of glare.", rich_help_panel=MIXING)
+]
+KernelSide = Annotated[
+    int | None,
+    typer.Option(help="Kernel's side in pixels; the picture's longer side.", rich_help_panel=MIXING),
+]
+Psf = Annotated[
+    Path | None, typer.Option(help="Also write the point spread function.", rich_help_panel=FILES)
+]
+PixelType = Annotated[str, typer.Option(help="auto (float for EXR), half, float.", rich_help_panel=FILES)]
+Nan = Annotated[
+    Literal["refuse", "zero"], typer.Option(help="refuse, or zero to mend NaN.", rich_help_panel=FILES)
+]
+ColorConfig = Annotated[
+    Path | None, typer.Option(help="OpenColorIO configuration; $OCIO otherwise.", rich_help_panel=FILES)
+]
+ColorSpace = Annotated[
+    str | None, typer.Option(help="IN's and OUT's space in that configuration.", rich_help_panel=FILES)
+]
+Size = Annotated[str, typer.Option(help="Pixels: 512, or 640x480.", rich_help_panel=KERNEL)]
+Sample = Annotated[
+    str, typer.Option(help="area: energy of each pixel; point: at its centre.", rich_help_panel=KERNEL)
+]
+Fade = Annotated[
+    float,
+    typer.Option(help="Part of the half size that fades to zero at the border.", rich_help_panel=KERNEL),
+]
+Host = Annotated[
+    str | None, typer.Option("--for", help="unreal, blender or nuke: its convention.", rich_help_panel=KERNEL)
+]
+Method = Annotated[str, typer.Option(help="auto, exact or scaled.", rich_help_panel=KERNEL)]
+Wavelength = Annotated[
+    str | None, typer.Option(help="One wavelength, such as 550nm.", rich_help_panel="Light")
 ]
 
 BYTES = {"B": 1, "KB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}
@@ -206,6 +252,23 @@ def pixel_pitch(text: str | None) -> float | None:
         Metres.
     """
     return _length(text, "pixel-pitch", "4um")
+
+
+def line(wavelength: str) -> str:
+    """Return the name of a single wavelength's light.
+
+    Parameters
+    ----------
+    wavelength : str
+        As typed, with its unit.
+
+    Returns
+    -------
+    str
+        As `aureole.light.illuminant` reads it.
+    """
+    metres = units.length(wavelength, "wavelength", "550nm")
+    return f"line:{refuse.positive('wavelength', metres) * 1e9:.6g}nm"
 
 
 def size(text: str, name: str = "size") -> tuple[int, int]:

@@ -96,7 +96,13 @@ def report(
     Console().print(drawn)
 
 
-def write(path: Path, source: Picture, pixel_type: str = "auto") -> None:
+def write(
+    path: Path,
+    source: Picture,
+    pixel_type: str = "auto",
+    color_config: Path | None = None,
+    color_space: str | None = None,
+) -> None:
     """Write a picture, and say what its format could not hold.
 
     Parameters
@@ -107,8 +113,15 @@ def write(path: Path, source: Picture, pixel_type: str = "auto") -> None:
         Linear.
     pixel_type : str
         "auto", "half", "float", "uint8" or "uint16".
+    color_config : Path, optional
+        OpenColorIO configuration.
+    color_space : str, optional
+        Space of the file in that configuration.
     """
-    say_notes(picture.write(path, source, pixel_type=pixel_type))  # type: ignore[arg-type]
+    kind: Any = pixel_type
+    say_notes(
+        picture.write(path, source, pixel_type=kind, color_config=color_config, color_space=color_space)
+    )
 
 
 def write_display(path: Path, pixels: NDArray[np.float32]) -> None:

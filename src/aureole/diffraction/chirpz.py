@@ -129,9 +129,7 @@ def _with_pixel(
     return out
 
 
-def _chirp(
-    rows: NDArray[Any], pixel: float, start: float, step: float, count: int
-) -> NDArray[np.complex64]:
+def _chirp(rows: NDArray[Any], pixel: float, start: float, step: float, count: int) -> NDArray[np.complex64]:
     """Sum exp(−i2π f_j x_k) over the samples of each row, x_k the centres of its pixels."""
     size = rows.shape[1]
     before, spectrum, after, length = _chirp_tables(size, pixel, start, step, count)
@@ -185,7 +183,7 @@ def _from_half(
     """Look frequencies up in a half spectrum, the other half by F(−u, −v) = F*(u, v)."""
     row, column = rows % lengths[0], columns % lengths[1]
     mirrored = column >= half.shape[1]
-    out = half[np.ix_(row, np.where(mirrored, lengths[1] - column, column))]
+    out: NDArray[np.complex64] = half[np.ix_(row, np.where(mirrored, lengths[1] - column, column))]
     out[:, mirrored] = half[np.ix_(-row % lengths[0], lengths[1] - column[mirrored])].conj()
     return out
 

@@ -1,0 +1,187 @@
+"""Running a command's job: outputs are refused before work, files are written after it."""
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from aureole import jobs, picture
+from aureole.cli import output, views
+
+
+@dataclass(frozen=True)
+class GlareFiles:
+    """The files of the command `glare`, and how they are read and written.
+
+    Parameters
+    ----------
+    source, out : Path
+        Picture in, picture out.
+    psf, preview, matte : Path, optional
+        Kernel out, PNG out, matte in.
+    pixel_type : str
+        Of the picture out.
+    nan : str
+        "refuse" or "zero".
+    color_config : Path, optional
+        OpenColorIO configuration.
+    color_space : str, optional
+        The space of both pictures in that configuration.
+    """
+
+    source: Path
+    out: Path
+    psf: Path | None = None
+    preview: Path | None = None
+    matte: Path | None = None
+    pixel_type: str = "auto"
+    nan: Literal["refuse", "zero"] = "refuse"
+    color_config: Path | None = None
+    color_space: str | None = None
+
+
+@dataclass(frozen=True)
+class Look:
+    """How the glare is mixed in.
+
+    Parameters
+    ----------
+    illuminant, mode : str
+        As in `aureole.jobs.GlareJob`.
+    threshold, knee, gain : float
+        As in `aureole.jobs.GlareJob`.
+    tint : tuple of float
+        As in `aureole.jobs.GlareJob`.
+    """
+
+    illuminant: str
+    mode: str
+    threshold: float
+    knee: float
+    gain: float
+    tint: tuple[float, float, float]
+
+
+def glare(
+    camera: jobs.Optics,
+    files: GlareFiles,
+    look: Look,
+    kernel_size: int | None,
+    pixel_pitch: float | None,
+    memory: int | None,
+    as_json: bool,
+) -> None:
+    """Read, spread, write and report.
+
+    Parameters
+    ----------
+    camera : Optics
+        The camera.
+    files : GlareFiles
+        What to read and write.
+    look : Look
+        How to mix.
+    kernel_size : int, optional
+        Side in pixels.
+    pixel_pitch : float, optional
+        Metres.
+    memory : int, optional
+        Bytes that may be used.
+    as_json : bool
+        Whether a machine reads the report.
+    """
+    start = time.perf_counter()
+    written = output.places(files.out, files.psf, files.preview)
+    given = picture.read(
+        files.source,
+        nan=files.nan,
+        memory=memory,
+        color_config=files.color_config,
+        color_space=files.color_space,
+    )
+    output.say_notes(picture.notes(given))
+    matte = None if files.matte is None else views.matte(files.matte, given)
+    job = jobs.GlareJob(
+        given,
+        camera,
+        matte=matte,
+        kernel_size=kernel_size,
+        pixel_pitch=pixel_pitch,
+        memory=memory,
+        **vars(look),
+    )
+    result = output.follow(jobs.run(job))
+    pixel_type = output.pixel_type_for(files.out, files.pixel_type)
+    output.write(files.out, result.picture, pixel_type, files.color_config, files.color_space)
+    if files.psf is not None:
+        output.write(files.psf, result.psf, "float")
+    if files.preview is not None:
+        output.write_display(files.preview, views.before_and_after(given, result.picture))
+    output.report("glare", result.report, written, as_json, time.perf_counter() - start)
+
+
+def starburst(job: jobs.StarburstJob, out: Path, preview: Path | None, as_json: bool) -> None:
+    """Make a point spread function, write and report.
+
+    Parameters
+    ----------
+    job : StarburstJob
+        What to make.
+    out : Path
+        Kernel out.
+    preview : Path, optional
+        PNG out.
+    as_json : bool
+        Whether a machine reads the report.
+    """
+    start = time.perf_counter()
+    written = output.places(out, preview)
+    result = output.follow(jobs.run(job))
+    output.write(out, result.picture, output.pixel_type_for(out, "auto"))
+    if preview is not None:
+        output.write_display(preview, views.kernel(result.picture))
+    output.report("starburst", result.report, written, as_json, time.perf_counter() - start)
+
+
+def aperture(job: jobs.ApertureJob, out: Path, as_json: bool) -> None:
+    """Draw an aperture, write and report.
+
+    Parameters
+    ----------
+    job : ApertureJob
+        What to draw.
+    out : Path
+        Picture out.
+    as_json : bool
+        Whether a machine reads the report.
+    """
+    start = time.perf_counter()
+    written = output.places(out)
+    result = output.follow(jobs.run(job))
+    output.write(out, result.picture, output.pixel_type_for(out, "auto"))
+    output.report("aperture", result.report, written, as_json, time.perf_counter() - start)
+
+
+def demo(job: jobs.DemoJob, folder: Path, as_json: bool) -> None:
+    """Run the demonstration, write its files and report.
+
+    Parameters
+    ----------
+    job : DemoJob
+        What to show.
+    folder : Path
+        Where the files go; made where it is missing.
+    as_json : bool
+        Whether a machine reads the report.
+    """
+    start = time.perf_counter()
+    output.make_folder(folder)
+    files = [folder / name for name in ("scene.exr", "glare.exr", "psf.exr", "glare.png", "preview.png")]
+    output.places(*files)
+    result = output.follow(jobs.run(job))
+    scene, after = result.scene, result.glare
+    for path, made in zip(files[:3], (scene, after.picture, after.psf), strict=True):
+        output.write(path, made, "float")
+    output.write_display(files[3], views.exposed(after.picture, scene))
+    output.write_display(files[4], views.before_and_after(scene, after.picture))
+    output.report("demo", after.report, files, as_json, time.perf_counter() - start)
