@@ -61,16 +61,16 @@ QUAY_COLOURS = ("warm", "sodium", "sodium", "mercury", "sodium", "sodium", "warm
 
 LAMPS = (
     *(
-        Lamp(QUAY[0] + QUAY[1] * s, HORIZON - POST * s, 12 * s, 4e4, colour, HORIZON + (EYE + WALL) * s)
+        Lamp(QUAY[0] + QUAY[1] * s, HORIZON - POST * s, 12 * s, 1.4e4, colour, HORIZON + (EYE + WALL) * s)
         for s, colour in zip(NEARNESS, QUAY_COLOURS, strict=True)
     ),
-    Lamp(0.118, 0.462, 1.8, 2.5e5, "cool"),  # lighthouse
-    Lamp(0.214, 0.578, 1.2, 6e4, "green"),  # end of the breakwater
-    Lamp(0.405, 0.668, 1.2, 6e4, "red", 0.678),  # buoy
-    Lamp(0.52, 0.372, 1.1, 3.5e4, "red"),  # towers of the bridge
-    Lamp(0.80, 0.372, 1.1, 3.5e4, "red"),
+    Lamp(0.118, 0.462, 1.8, 8e4, "cool"),  # lighthouse
+    Lamp(0.214, 0.578, 1.2, 2.5e4, "green"),  # end of the breakwater
+    Lamp(0.405, 0.668, 1.2, 2.5e4, "red", 0.678),  # buoy
+    Lamp(0.52, 0.372, 1.1, 1.3e4, "red"),  # towers of the bridge
+    Lamp(0.80, 0.372, 1.1, 1.3e4, "red"),
 )
-DECK = tuple(Lamp(0.435 + 0.035 * i, 0.566, 0.55, 1.6e4, "white") for i in range(13))
+DECK = tuple(Lamp(0.435 + 0.035 * i, 0.566, 0.55, 0.9e4, "white") for i in range(13))
 
 
 def lamps() -> tuple[Lamp, ...]:
