@@ -83,6 +83,9 @@ def report(
     seconds : float
         How long it took.
     """
+    if "raster_true_to_deg" in values:
+        angle = values["raster_true_to_deg"]
+        say_notes([f"beyond {angle:.3g} degrees the pixels of the aperture's picture show in the rays"])
     written = [str(path) for path in files]
     if for_machine:
         as_json({**values, "files": written, "seconds": round(seconds, 3)})

@@ -12,7 +12,7 @@
 - `color_config`: OpenColorIO configurations where one is given
 - `convolution`: in: pixels and a kernel, out: pixels of the same size
 - `display`: in: linear pictures, out: pixels that are ready for a screen
-- `scene`: in: a size and a seed, out: the bundled night scene (drawn with `_canvas`, its town in `_far_shore`)
+- `scene`: in: a size and a seed, out: the bundled night scene; `_canvas` and `_far_shore` draw for it
 """
 
 from aureole.picture.convolution import Convolver, convolve

@@ -1,0 +1,120 @@
+"""Jobs: descriptions become cameras, stages lead to results, reports tell the truth."""
+
+import numpy as np
+import pytest
+
+from aureole import Picture, Refusal, aperture, jobs, picture
+
+
+def test_a_description_takes_what_it_leaves_out_from_its_preset():
+    camera = jobs.Optics(preset="super35-35mm-f8").camera()
+    assert camera.focal_length == pytest.approx(35e-3)
+    assert camera.f_number == 8
+    assert camera.resolution == (3072, 4096)
+    assert len(camera.iris.outlines[0].vertices) == 9
+    other = jobs.Optics(preset="super35-35mm-f8", f_number=4.0, opening=jobs.Opening(blades=5)).camera()
+    assert other.f_number == 4
+    assert len(other.iris.outlines[0].vertices) == 5
+
+
+def test_a_picture_spans_the_sensors_width():
+    camera = jobs.Optics().camera(resolution=(100, 720))
+    assert camera.pixel_pitch == pytest.approx((50e-6, 50e-6))
+    wide = jobs.Optics().camera(resolution=(100, 720), pixel_aspect=2.0)
+    assert wide.pixel_pitch == pytest.approx((25e-6, 50e-6))
+    given = jobs.Optics().camera(resolution=(100, 720), pixel_pitch=3e-6)
+    assert given.pixel_pitch == pytest.approx((3e-6, 3e-6))
+
+
+@pytest.mark.parametrize(
+    ("opening", "name"),
+    [
+        (jobs.Opening(), "iris of 7 blades"),
+        (jobs.Opening(curvature=0.3), "iris of 7 blades"),
+        (jobs.Opening(blades=5), "iris of 5 blades"),
+        (jobs.Opening(shape="circle"), "circle"),
+        (jobs.Opening(shape="whirl", blades=4), "whirl"),
+        (jobs.Opening(shape="rectangle", width=2e-3, height=1e-3), "rectangle"),
+        (jobs.Opening(shape="circle", obstruction=0.3), "circle without circle"),
+    ],
+)
+def test_openings(opening, name):
+    assert opening.build("heptagon").name == name
+
+
+def test_an_opening_from_a_picture(tmp_path):
+    disc = aperture.rasterize(aperture.circle(1.0), 64)
+    picture.write(tmp_path / "disc.exr", Picture(np.repeat(disc[..., None], 3, axis=2)))
+    built = jobs.Opening(picture=str(tmp_path / "disc.exr")).build("heptagon")
+    np.testing.assert_allclose(built.mask, disc, atol=1e-3)
+    report = jobs.finish(
+        jobs.run(jobs.StarburstJob(jobs.Optics(jobs.Opening(picture=str(tmp_path / "disc.exr"))), (33, 33)))
+    ).report
+    # 0.125 cycles per pixel of 3.125 mm / 64, at 550 nm.
+    assert report["raster_true_to_deg"] == pytest.approx(
+        np.degrees(0.125 * 550e-9 / (3.125e-3 / 64)), rel=1e-4
+    )
+
+
+@pytest.mark.parametrize(
+    ("opening", "text"),
+    [
+        (jobs.Opening(shape="heptagon"), "'aperture' must be one of 'iris', 'circle'"),
+        (jobs.Opening(shape="rectangle"), "needs 'width' and 'height'"),
+        (jobs.Opening(shape="picture"), "needs the file"),
+        (
+            jobs.Opening(shape="circle", height=1e-3),
+            "'height' does not go with aperture 'circle'; it is for rectangle.",
+        ),
+        (jobs.Opening(obstruction=1.0), "'obstruction' must be a number from 0 to 0.999, got 1."),
+    ],
+)
+def test_openings_that_are_refused(opening, text):
+    with pytest.raises(Refusal) as refused:
+        opening.build("heptagon")
+    assert text in str(refused.value)
+
+
+def lamp(shape=(40, 60)):
+    pixels = np.zeros((*shape, 3), dtype=np.float32)
+    pixels[shape[0] // 2, shape[1] // 2] = 100
+    return Picture(pixels)
+
+
+def test_the_glare_jobs_last_stage_is_its_result_and_the_stages_rise():
+    job = jobs.GlareJob(lamp(), pixel_pitch=5e-6)
+    stages = list(jobs.run(job))
+    assert np.all(np.diff([stage.fraction for stage in stages]) >= 0)
+    assert stages[-1].fraction == 1
+    again = jobs.finish(jobs.run(job))
+    np.testing.assert_array_equal(stages[-1].result.picture.pixels, again.picture.pixels)
+
+
+def test_the_glare_jobs_report_is_what_the_picture_holds():
+    result = jobs.finish(jobs.run(jobs.GlareJob(lamp(), pixel_pitch=5e-6, kernel_size=21)))
+    np.testing.assert_allclose(result.report["sum_after"], result.picture.pixels.sum(axis=(0, 1)), rtol=1e-5)
+    np.testing.assert_allclose(result.report["sum_after"], result.report["sum_before"], rtol=1e-4)
+    assert result.psf.pixels.shape == (21, 21, 3)
+
+
+def test_glare_does_not_depend_on_where_the_data_window_lies(tmp_path):
+    """A picture with overscan keeps the camera of its display window."""
+    from dataclasses import replace
+
+    whole = lamp((41, 61))
+    picture.write(tmp_path / "a.exr", whole)
+    read = picture.read(tmp_path / "a.exr")
+    header = picture.header_of(read)
+    narrow = replace(header, display_window=replace(header.display_window, x=10, width=41))
+    inside = Picture(read.pixels, read.colour_space, {**read.metadata, "header": narrow})
+    assert jobs.glare.picture_camera(jobs.GlareJob(inside)).pixel_pitch[1] == pytest.approx(36e-3 / 41)
+
+
+def test_memory_is_refused_before_it_is_taken():
+    with pytest.raises(Refusal, match="see --memory and --kernel-size"):
+        jobs.finish(jobs.run(jobs.GlareJob(lamp(), kernel_size=20001, memory=10**9)))
+
+
+def test_what_is_no_job_is_a_programmers_mistake():
+    with pytest.raises(TypeError, match="str is not a job"):
+        jobs.run("glare")
