@@ -75,8 +75,8 @@ def test_airy_dark_rings(shape, ring, zero):
 
 
 @pytest.mark.parametrize("method", OF_OUTLINES)
-@pytest.mark.parametrize(("width", "height"), [(1.0, 1.0), (1.0, 0.3), (0.02, 1.0), (1.0, 1e-6)])
-@pytest.mark.parametrize("spacing", [0.61, 1e-4])
+@pytest.mark.parametrize(("width", "height"), [(1.0, 1.0), (1.0, 0.3), (0.02, 1.0), (1.0, 1e-5)])
+@pytest.mark.parametrize("spacing", [0.61, 0.03, 1e-4])
 def test_slits_and_rectangles(method, width, height, spacing):
     """A product of sincs, also where a thin slit's own scale is far from its length's."""
     grid = frequencies((17, 16), spacing, (0.3, -1.0) if spacing > 0.1 else (0.0, 0.0))
@@ -122,6 +122,31 @@ def test_a_small_opening_far_off_the_axis(size, curvature, method):
         wanted = amplitude(iris, grid, "reference") * np.exp(-2j * np.pi * (v[:, None] * y + u * x))
         found = amplitude(aperture.moved(iris, x, y), grid, method)
         np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-6 * aperture.area(iris))
+
+
+@ON_SHAPES
+@pytest.mark.parametrize("spacing", [1e-6, 3e-5, 3e-4, 3e-3, 0.03])
+def test_near_the_origin(name, spacing):
+    """The quotient by |q|² hands over to a series without a seam: F(q) = F(0) (1 − i2π q·c − ...)."""
+    shape, grid = SHAPES[name], frequencies((12, 13), spacing)
+    found = amplitude(shape, grid)
+    np.testing.assert_allclose(
+        found, amplitude(shape, grid, "reference"), rtol=0, atol=2e-7 * aperture.area(shape)
+    )
+    v, u = grid.axes()
+    area, first, second = (
+        sum(
+            ring.transmittance * aperture.orientation(ring) * np.asarray(aperture.ring_moments(ring)[order])
+            for ring in shape.outlines
+        )
+        for order in range(3)
+    )
+    linear = u * first[0] + v[:, None] * first[1]
+    square = u**2 * second[0, 0] + 2 * u * v[:, None] * second[0, 1] + v[:, None] ** 2 * second[1, 1]
+    series = area - 2j * math.pi * linear - 2 * math.pi**2 * square
+    # The next term is at most (2π |q| D / √2)³ / 6 of the area.
+    rest = (math.pi * math.sqrt(2) * radius_of(grid).max() * D) ** 3 / 6
+    np.testing.assert_allclose(found, series, rtol=0, atol=(2e-7 + rest) * area)
 
 
 @ON_SHAPES

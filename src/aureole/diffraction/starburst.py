@@ -27,10 +27,15 @@ REFERENCE_WAVELENGTH = math.sqrt(SHORTEST * LONGEST)
 EXACT_WAVELENGTHS = 81
 CORE_WAVELENGTHS = 81
 OUTER_WAVELENGTHS = 161
-# Cycles of the pattern's finest fringe across the core's radius, and samples a fringe within it.
+# The core reaches so many of the pattern's finest fringes, and at least so many pixels; its pattern has
+# so many samples a fringe, fewer where it would have more than MOST_FINE along its radius.
 CORE_CYCLES = 16.0
-CORE_PIXELS = 6
-FINE_SAMPLES = 8
+CORE_PIXELS = 16
+FINE_SAMPLES = 8.0
+COARSEST_SAMPLES = 1.5
+MOST_FINE = 2048
+# Up to so many Gauss-Legendre nodes a pixel are worth their accuracy; above, fringes are many and midpoints do.
+MOST_NODES = 12
 # Outside the core a pixel is sampled no finer than this along each axis.
 MOST_OUTER_NODES = 6
 # Edges times samples that an outer pattern may cost before its pixels are sampled more coarsely.
@@ -123,15 +128,26 @@ def _scaled(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> 
     yield Stage(0.2, "starburst's rays")
     total = _outer(aperture, grid, spectrum, sample)
     yield Stage(0.9, "starburst, joining the two")
-    _join(total, core, grid, core_grid)
+    _join(total, core, grid, core_grid, _core_reach(aperture, grid))
     yield Stage(1.0, "starburst", Picture(total, "xyz"))
+
+
+def _core_reach(aperture: Aperture, grid: Grid) -> tuple[float, float]:
+    """Return the core's radius in pixels, along rows and columns."""
+    reaches = []
+    for spacing in grid.spacing:
+        fringes = aperture.width * spacing / SHORTEST
+        wanted = max(CORE_CYCLES / fringes, CORE_PIXELS)
+        # A pixel of very many fringes leaves room for few pixels.
+        reaches.append(max(1.5, min(wanted, MOST_FINE / (COARSEST_SAMPLES * fringes))))
+    return reaches[0], reaches[1]
 
 
 def _core_grid(aperture: Aperture, grid: Grid) -> Grid:
     """Return the pixels of a grid within the core's radius about the axis."""
     shape, centre = [], []
-    for count, spacing, middle in zip(grid.shape, grid.spacing, grid.centre, strict=True):
-        reach = max(CORE_CYCLES * SHORTEST / aperture.width / spacing, CORE_PIXELS)
+    reaches = _core_reach(aperture, grid)
+    for count, spacing, middle, reach in zip(grid.shape, grid.spacing, grid.centre, reaches, strict=True):
         first = -(count // 2) + middle / spacing
         low = max(0, math.floor(-reach - first))
         high = min(count, math.ceil(reach - first) + 1)
@@ -143,21 +159,55 @@ def _core_grid(aperture: Aperture, grid: Grid) -> Grid:
 
 def _core(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
     """Sum the wavelengths from a pattern that samples every fringe finely."""
-    total = np.zeros((*grid.shape, 3), dtype=np.float32)
-    if not total.size:
-        return total
+    if 0 in grid.shape:
+        return np.zeros((*grid.shape, 3), dtype=np.float32)
     wavelength = REFERENCE_WAVELENGTH
-    step = 1 / (FINE_SAMPLES * aperture.width)
-    # The pattern reaches as far as the shortest wavelength looks, and two samples more.
-    counts = [
-        2 * (math.ceil((np.abs(axis).max() + spacing / 2) / SHORTEST / step) + 2) + 1
-        for axis, spacing in zip(grid.axes(), grid.spacing, strict=True)
-    ]
-    fine = Grid((counts[0], counts[1]), (step, step))
-    pattern = _pattern(aperture, fine, wavelength)
-    for shifted, weight in _shifted(grid, _node_counts(aperture, grid, SHORTEST, sample)):
-        total += weight * _summed(pattern, shifted, spectrum, CORE_WAVELENGTHS, "cubic")
+    pattern = _fine_pattern(aperture, grid, wavelength)
+    counts = _node_counts(aperture, grid, SHORTEST, sample)
+    if max(counts) > MOST_NODES:
+        total = _mean_of_midpoints(pattern, grid, spectrum, _midpoint_counts(aperture, grid))
+    else:
+        total = np.zeros((*grid.shape, 3), dtype=np.float32)
+        for shifted, weight in _shifted(grid, counts):
+            total += weight * _summed(pattern, shifted, spectrum, CORE_WAVELENGTHS)
     return total * _pixel_share(aperture, grid, wavelength)
+
+
+def _fine_pattern(aperture: Aperture, grid: Grid, wavelength: float) -> Pattern:
+    """Return a pattern that reaches as far as the shortest wavelength looks, and two samples more."""
+    steps, counts = [], []
+    for axis, spacing in zip(grid.axes(), grid.spacing, strict=True):
+        reach = (np.abs(axis).max() + spacing / 2) / SHORTEST
+        step = max(1 / (FINE_SAMPLES * aperture.width), reach / MOST_FINE)
+        steps.append(min(step, 1 / (COARSEST_SAMPLES * aperture.width)))
+        counts.append(2 * (math.ceil(reach / steps[-1]) + 2) + 1)
+    fine = Grid((counts[0], counts[1]), (steps[0], steps[1]))
+    return Pattern(_centred_mean(aperture, fine, (1, 1)), fine, wavelength, apertures.energy(aperture))
+
+
+def _midpoint_counts(aperture: Aperture, grid: Grid) -> tuple[int, int]:
+    """Return how many midpoints along each axis follow a pixel's many fringes."""
+    rows, columns = (
+        max(1, min(math.ceil(4 * aperture.width * spacing / SHORTEST), MOST_FINE // count))
+        for spacing, count in zip(grid.spacing, grid.shape, strict=True)
+    )
+    return rows, columns
+
+
+def _mean_of_midpoints(
+    pattern: Pattern, grid: Grid, spectrum: Spectrum, counts: tuple[int, int]
+) -> NDArray[np.float32]:
+    """Sum the wavelengths at the midpoints of equal parts of each pixel, and average."""
+    (rows, columns), (many_y, many_x) = grid.shape, counts
+    fine = (grid.spacing[0] / many_y, grid.spacing[1] / many_x)
+    first = [
+        axis[0] - pixel / 2 + step / 2
+        for axis, pixel, step in zip(grid.axes(), grid.spacing, fine, strict=True)
+    ]
+    shape = (rows * many_y, columns * many_x)
+    centre = (float(first[0] + shape[0] // 2 * fine[0]), float(first[1] + shape[1] // 2 * fine[1]))
+    values = _summed(pattern, Grid(shape, fine, centre), spectrum, CORE_WAVELENGTHS)
+    return values.reshape(rows, many_y, columns, many_x, 3).mean(axis=(1, 3))
 
 
 def _outer(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
@@ -172,29 +222,33 @@ def _outer(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> N
     wide = Grid((counts[0], counts[1]), spacing)
     nodes = _node_counts(aperture, grid, wavelength, sample, _most_nodes(aperture, wide))
     pattern = Pattern(_centred_mean(aperture, wide, nodes), wide, wavelength, apertures.energy(aperture))
-    total = _summed(pattern, grid, spectrum, OUTER_WAVELENGTHS, "linear")
+    total = _summed(pattern, grid, spectrum, OUTER_WAVELENGTHS)
     return total * _pixel_share(aperture, grid, wavelength)
 
 
-def _join(total: NDArray[np.float32], core: NDArray[np.float32], grid: Grid, part: Grid) -> None:
+def _join(
+    total: NDArray[np.float32],
+    core: NDArray[np.float32],
+    grid: Grid,
+    part: Grid,
+    reach: tuple[float, float],
+) -> None:
     """Lay the core over the rest, fading from one to the other in the outer third of its radius."""
     if not core.size:
         return
     (rows, columns), (all_rows, all_columns) = part.axes(), grid.axes()
-    top, left = round((rows[0] - all_rows[0]) / grid.spacing[0]), round(
-        (columns[0] - all_columns[0]) / grid.spacing[1]
+    top, left = (
+        round((rows[0] - all_rows[0]) / grid.spacing[0]),
+        round((columns[0] - all_columns[0]) / grid.spacing[1]),
     )
-    reach_y, reach_x = np.abs(rows).max() + grid.spacing[0], np.abs(columns).max() + grid.spacing[1]
-    radius = np.hypot(rows[:, None] / reach_y, columns / reach_x)
+    radius = np.hypot(rows[:, None] / (reach[0] * grid.spacing[0]), columns / (reach[1] * grid.spacing[1]))
     share = np.clip((1 - radius) * 3, 0, 1)
     blend = (share * share * (3 - 2 * share)).astype(np.float32)[..., None]
     window = total[top : top + part.shape[0], left : left + part.shape[1]]
     window += blend * (core - window)
 
 
-def _fractions(
-    aperture: Aperture, grid: Grid, wavelength: float, sample: str
-) -> NDArray[np.float32]:
+def _fractions(aperture: Aperture, grid: Grid, wavelength: float, sample: str) -> NDArray[np.float32]:
     """Return each pixel's share of the energy at one wavelength."""
     mean = np.zeros(grid.shape, dtype=np.float32)
     for shifted, weight in _shifted(grid, _node_counts(aperture, grid, wavelength, sample)):
@@ -259,23 +313,22 @@ def _ending_at_axis(grid: Grid) -> Grid:
     return Grid(grid.shape, grid.spacing, (-last, grid.centre[1]))
 
 
-def _pattern(aperture: Aperture, grid: Grid, wavelength: float) -> Pattern:
-    """Return |F|² at the samples of an odd, centred grid in frequency."""
-    return Pattern(_centred_mean(aperture, grid, (1, 1)), grid, wavelength, apertures.energy(aperture))
-
-
 def _power(aperture: Aperture, grid: Grid) -> NDArray[np.float32]:
     amplitude = far_field(aperture, grid).amplitude
     return np.asarray(amplitude.real**2 + amplitude.imag**2, dtype=np.float32)
 
 
-def _summed(
-    pattern: Pattern, grid: Grid, spectrum: Spectrum, samples: int, interpolation: str
-) -> NDArray[np.float32]:
+def _summed(pattern: Pattern, grid: Grid, spectrum: Spectrum, samples: int) -> NDArray[np.float32]:
     """Sum a pattern over wavelengths at the pixels of a grid in direction cosines."""
     frequencies = _in_frequency(grid, pattern.wavelength)
     picture = light.spectral_sum(
-        pattern, pattern.wavelength, spectrum, grid=frequencies, samples=samples, interpolation=interpolation
+        pattern,
+        pattern.wavelength,
+        spectrum,
+        grid=frequencies,
+        samples=samples,
+        interpolation="cubic",
+        symmetric=grid.centre == (0.0, 0.0),
     )
     return picture.pixels
 
