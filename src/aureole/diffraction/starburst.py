@@ -34,8 +34,9 @@ CORE_PIXELS = 16
 FINE_SAMPLES = 8.0
 COARSEST_SAMPLES = 1.5
 MOST_FINE = 2048
-# Up to so many Gauss-Legendre nodes a pixel are worth their accuracy; above, fringes are many and midpoints do.
+# Up to so many Gauss-Legendre nodes a pixel are worth their accuracy; where fringes are more, midpoints do.
 MOST_NODES = 12
+MIDPOINTS = 4.0
 # Outside the core a pixel is sampled no finer than this along each axis.
 MOST_OUTER_NODES = 6
 # Edges times samples that an outer pattern may cost before its pixels are sampled more coarsely.
@@ -139,7 +140,7 @@ def _core_reach(aperture: Aperture, grid: Grid) -> tuple[float, float]:
         fringes = aperture.width * spacing / SHORTEST
         wanted = max(CORE_CYCLES / fringes, CORE_PIXELS)
         # A pixel of very many fringes leaves room for few pixels.
-        reaches.append(max(1.5, min(wanted, MOST_FINE / (COARSEST_SAMPLES * fringes))))
+        reaches.append(max(1.5, min(wanted, MOST_FINE / (FINE_SAMPLES * fringes))))
     return reaches[0], reaches[1]
 
 
@@ -188,7 +189,7 @@ def _fine_pattern(aperture: Aperture, grid: Grid, wavelength: float) -> Pattern:
 def _midpoint_counts(aperture: Aperture, grid: Grid) -> tuple[int, int]:
     """Return how many midpoints along each axis follow a pixel's many fringes."""
     rows, columns = (
-        max(1, min(math.ceil(4 * aperture.width * spacing / SHORTEST), MOST_FINE // count))
+        max(1, min(math.ceil(MIDPOINTS * aperture.width * spacing / SHORTEST), 2 * MOST_FINE // count))
         for spacing, count in zip(grid.spacing, grid.shape, strict=True)
     )
     return rows, columns
@@ -207,7 +208,8 @@ def _mean_of_midpoints(
     shape = (rows * many_y, columns * many_x)
     centre = (float(first[0] + shape[0] // 2 * fine[0]), float(first[1] + shape[1] // 2 * fine[1]))
     values = _summed(pattern, Grid(shape, fine, centre), spectrum, CORE_WAVELENGTHS)
-    return values.reshape(rows, many_y, columns, many_x, 3).mean(axis=(1, 3))
+    parts = values.reshape(rows, many_y, columns, many_x, 3)
+    return np.asarray(parts.mean(axis=(1, 3)), dtype=np.float32)
 
 
 def _outer(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
