@@ -56,6 +56,7 @@ def glare(
     tint: options.Tint = "1,1,1",
     matte: options.Matte = None,
     kernel_size: options.KernelSide = None,
+    precision: options.Precision = "single",
     psf: options.Psf = None,
     preview: options.Preview = None,
     pixel_type: options.PixelType = "auto",
@@ -80,7 +81,7 @@ def glare(
     shape = ShapeFlags(aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture)
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
     files = runs.GlareFiles(source, out, psf, preview, matte, pixel_type, nan, color_config, color_space)
-    look = runs.Look(illuminant, mode, threshold, knee, gain, options.numbers(tint, "tint", 3))
+    look = runs.Look(illuminant, mode, threshold, knee, gain, options.numbers(tint, "tint", 3), precision)
     limits = (kernel_size, options.pixel_pitch(pitch), options.memory(memory))
     runs.glare(camera, files, look, *limits, as_json)
 

@@ -104,6 +104,10 @@ KernelSide = Annotated[
     int | None,
     typer.Option(help="Kernel's side in pixels; the picture's longer side.", rich_help_panel=MIXING),
 ]
+Precision = Annotated[
+    str,
+    typer.Option(help="single; double for exact darks beside very bright lamps.", rich_help_panel=MIXING),
+]
 Psf = Annotated[
     Path | None, typer.Option(help="Also write the point spread function.", rich_help_panel=FILES)
 ]

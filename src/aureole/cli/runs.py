@@ -52,6 +52,8 @@ class Look:
         As in `aureole.jobs.GlareJob`.
     tint : tuple of float
         As in `aureole.jobs.GlareJob`.
+    precision : str
+        As in `aureole.jobs.GlareJob`.
     """
 
     illuminant: str
@@ -60,6 +62,7 @@ class Look:
     knee: float
     gain: float
     tint: tuple[float, float, float]
+    precision: str = "single"
 
 
 def glare(

@@ -37,8 +37,12 @@ MOST_FINE = 2048
 # Up to so many Gauss-Legendre nodes a pixel are worth their accuracy; where fringes are more, midpoints do.
 MOST_NODES = 12
 MIDPOINTS = 4.0
+# A pixel of more fringes than this holds all but a trace of the energy: what the others leave.
+MOST_FRINGES = MOST_FINE / (COARSEST_SAMPLES * FINE_SAMPLES)
 # Outside the core a pixel is sampled no finer than this along each axis.
 MOST_OUTER_NODES = 6
+# One wavelength by itself may cost more, and most in the pixels about the axis.
+MOST_EXACT_NODES, MOST_CORE_NODES, EXACT_CORE = 24, 256, (1.5, 1.5)
 # Edges times samples that an outer pattern may cost before its pixels are sampled more coarsely.
 OUTER_BUDGET = 3e9
 
@@ -119,6 +123,8 @@ def _exact(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> I
     for index, (wavelength, weight) in enumerate(zip(wavelengths, weights, strict=True)):
         yield Stage(index / len(wavelengths), f"starburst at {wavelength * 1e9:.0f} nm")
         total += _fractions(aperture, grid, float(wavelength), sample)[..., None] * weight
+    if sample == "area":
+        _leave_rest_to_axis(aperture, grid, spectrum, total)
     yield Stage(1.0, "starburst", Picture(total.astype(np.float32), "xyz"))
 
 
@@ -130,6 +136,8 @@ def _scaled(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> 
     total = _outer(aperture, grid, spectrum, sample)
     yield Stage(0.9, "starburst, joining the two")
     _join(total, core, grid, core_grid, _core_reach(aperture, grid))
+    if sample == "area":
+        _leave_rest_to_axis(aperture, grid, spectrum, total)
     yield Stage(1.0, "starburst", Picture(total, "xyz"))
 
 
@@ -144,10 +152,10 @@ def _core_reach(aperture: Aperture, grid: Grid) -> tuple[float, float]:
     return reaches[0], reaches[1]
 
 
-def _core_grid(aperture: Aperture, grid: Grid) -> Grid:
-    """Return the pixels of a grid within the core's radius about the axis."""
+def _core_grid(aperture: Aperture, grid: Grid, reaches: tuple[float, float] | None = None) -> Grid:
+    """Return the pixels of a grid within a radius about the axis, in pixels; the core's unless given."""
     shape, centre = [], []
-    reaches = _core_reach(aperture, grid)
+    reaches = _core_reach(aperture, grid) if reaches is None else reaches
     for count, spacing, middle, reach in zip(grid.shape, grid.spacing, grid.centre, reaches, strict=True):
         first = -(count // 2) + middle / spacing
         low = max(0, math.floor(-reach - first))
@@ -238,11 +246,8 @@ def _join(
     """Lay the core over the rest, fading from one to the other in the outer third of its radius."""
     if not core.size:
         return
-    (rows, columns), (all_rows, all_columns) = part.axes(), grid.axes()
-    top, left = (
-        round((rows[0] - all_rows[0]) / grid.spacing[0]),
-        round((columns[0] - all_columns[0]) / grid.spacing[1]),
-    )
+    rows, columns = part.axes()
+    top, left = _place(part, grid)
     radius = np.hypot(rows[:, None] / (reach[0] * grid.spacing[0]), columns / (reach[1] * grid.spacing[1]))
     share = np.clip((1 - radius) * 3, 0, 1)
     blend = (share * share * (3 - 2 * share)).astype(np.float32)[..., None]
@@ -250,13 +255,48 @@ def _join(
     window += blend * (core - window)
 
 
+def _place(part: Grid, grid: Grid) -> tuple[int, int]:
+    """Return the row and column of a grid at which a part of it begins."""
+    if not all(part.shape):
+        return 0, 0
+    (rows, columns), (all_rows, all_columns) = part.axes(), grid.axes()
+    top = (rows[0] - all_rows[0]) / grid.spacing[0]
+    left = (columns[0] - all_columns[0]) / grid.spacing[1]
+    return round(top), round(left)
+
+
+def _leave_rest_to_axis(
+    aperture: Aperture, grid: Grid, spectrum: Spectrum, total: NDArray[np.floating]
+) -> None:
+    """Give the pixel on the axis what the others leave, where pixels hold very many fringes."""
+    (rows, columns), spacing = grid.axes(), grid.spacing
+    row, column = int(np.argmin(np.abs(rows))), int(np.argmin(np.abs(columns)))
+    on_axis = abs(rows[row]) < 0.25 * spacing[0] and abs(columns[column]) < 0.25 * spacing[1]
+    if min(spacing) * aperture.width / SHORTEST > MOST_FRINGES and on_axis:
+        total[row, column] = 0
+        total[row, column] = np.maximum(light.white(spectrum) - total.sum(axis=(0, 1)), 0)
+
+
 def _fractions(aperture: Aperture, grid: Grid, wavelength: float, sample: str) -> NDArray[np.float32]:
     """Return each pixel's share of the energy at one wavelength."""
-    mean = np.zeros(grid.shape, dtype=np.float32)
-    for shifted, weight in _shifted(grid, _node_counts(aperture, grid, wavelength, sample)):
-        frequencies = _in_frequency(shifted, wavelength)
-        mean += np.float32(weight) * _power(aperture, frequencies)
+    mean = _mean_power(aperture, grid, wavelength, sample, MOST_EXACT_NODES)
+    if max(_node_counts(aperture, grid, wavelength, sample)) > MOST_EXACT_NODES:
+        # Fewer nodes do outside the core, where many fringes are alike.
+        part = _core_grid(aperture, grid, EXACT_CORE)
+        top, left = _place(part, grid)
+        accurate = _mean_power(aperture, part, wavelength, sample, MOST_CORE_NODES)
+        mean[top : top + part.shape[0], left : left + part.shape[1]] = accurate
     return mean * _pixel_share(aperture, grid, wavelength)
+
+
+def _mean_power(
+    aperture: Aperture, grid: Grid, wavelength: float, sample: str, most: int
+) -> NDArray[np.float32]:
+    mean = np.zeros(grid.shape, dtype=np.float32)
+    if mean.size:
+        for shifted, weight in _shifted(grid, _node_counts(aperture, grid, wavelength, sample, most)):
+            mean += np.float32(weight) * _power(aperture, _in_frequency(shifted, wavelength))
+    return mean
 
 
 def _pixel_share(aperture: Aperture, grid: Grid, wavelength: float) -> np.float32:

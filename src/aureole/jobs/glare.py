@@ -45,6 +45,8 @@ class GlareJob:
         As in `aureole.diffraction.starburst`.
     border_fade : float
         Part of the kernel's half size over which it fades to zero.
+    precision : str
+        Of the convolution, "single" or "double".
     memory : int, optional
         Most bytes to use; three quarters of what is free otherwise.
     """
@@ -62,6 +64,7 @@ class GlareJob:
     pixel_pitch: float | None = None
     method: str = "auto"
     border_fade: float = 0.25
+    precision: str = "single"
     memory: int | None = None
 
 
@@ -101,6 +104,7 @@ def run_glare(job: GlareJob) -> Iterator[Stage]:
         The last one holds a `GlareResult`.
     """
     refuse.one_of("mode", job.mode, glare.MODES)
+    refuse.one_of("precision", job.precision, ("single", "double"))
     source, space = _in_working_space(job.picture)
     lamp = light.illuminant(job.illuminant)
     camera = picture_camera(job)
@@ -115,7 +119,7 @@ def run_glare(job: GlareJob) -> Iterator[Stage]:
     assert isinstance(psf, Picture)
     yield Stage(0.7, "preparing the kernel")
     rows, columns = source.pixels.shape[:2]
-    ready = glare.prepare(psf, (rows, columns), job.mode)
+    ready = glare.prepare(psf, (rows, columns), job.mode, precision=job.precision)
     yield Stage(0.8, "spreading the light")
     out = glare.composite(
         source, ready, matte=job.matte, threshold=job.threshold, knee=job.knee, gain=job.gain, tint=job.tint
