@@ -56,7 +56,7 @@ def glare(
     tint: options.Tint = "1,1,1",
     matte: options.Matte = None,
     kernel_size: options.KernelSide = None,
-    precision: options.Precision = "single",
+    precision: options.Precision = "double",
     psf: options.Psf = None,
     preview: options.Preview = None,
     pixel_type: options.PixelType = "auto",

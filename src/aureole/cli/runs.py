@@ -62,7 +62,7 @@ class Look:
     knee: float
     gain: float
     tint: tuple[float, float, float]
-    precision: str = "single"
+    precision: str = "double"
 
 
 def glare(

@@ -64,7 +64,7 @@ class GlareJob:
     pixel_pitch: float | None = None
     method: str = "auto"
     border_fade: float = 0.25
-    precision: str = "single"
+    precision: str = "double"
     memory: int | None = None
 
 
