@@ -1,285 +1,287 @@
-"""Compiled loops of the far field of outlines: straight edges and arcs, one row of the grid at a time."""
+"""Compiled loops of the far field of outlines: rows of the grid, a tile of columns at a time.
+
+A tile's buffers stay in the first cache, and its loops have no branches, so that they run in vectors.
+Phases arrive as float32 tables of their cosines and sines, taken in float64. From there on float32
+serves: what passes through zero is measured from the sample nearest its zero (`line_through`), and
+nothing cancels outside the discs about the origin that the caller sums by quadrature.
+"""
 
 import math
+from typing import NamedTuple
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from aureole.diffraction import _kernels_arcs
+from aureole.diffraction._kernels_arcs import (
+    F32,
+    F64,
+    FAST,
+    FIELD,
+    FREQUENCY,
+    INVERSE,
+    ONE,
+    PLACE,
+    ROOT,
+    SIZE,
+    TILE,
+    TOTAL,
+    WAVE,
+    line_through,
+)
+
 # Below this phase per edge (radians) the quotient of the edge is summed as a series.
 SMALL_PHASE = 0.25
-# From this 2π R |q| on, three terms of the arc's expansion are accurate to 1e-6 of its edge wave; a
-# flat arc must also hold that much phase itself, lest its ends cancel.
-FAR_ARC = 40.0
-LONG_ARC = 20.0
-TABLE_STEPS = 64
 
 
-@numba.njit(parallel=True, cache=True, fastmath={"contract", "nsz", "arcp"})
-def rings(
-    u: NDArray[np.float64],
-    v: NDArray[np.float64],
-    phase_x: NDArray[np.complex128],
-    phase_y: NDArray[np.complex128],
-    edges: NDArray[np.float64],
-    arcs: NDArray[np.float64],
-    starts: NDArray[np.int64],
-    moments: NDArray[np.float64],
-    table: NDArray[np.float64],
-    nodes: NDArray[np.float64],
-    weights: NDArray[np.float64],
+class Waves(NamedTuple):
+    """What the loops read, in one unit of length; frequencies in cycles per that unit.
+
+    u, v are the frequencies of the columns (filled up to whole tiles) and of the rows. column_wave
+    (2, V, C) and row_wave (2, V, R) hold the real and the imaginary part of exp(−i2π u x) and
+    exp(−i2π v y) for every vertex. edges (V, 2) lead from each vertex to the next of its ring. arcs
+    (V, 9) hold radius (0 for a straight edge), centre x, y, and cosine and sine of first, last and
+    middle angle. starts (K + 1,) is the first vertex of each ring, weights (K,) its signed
+    transmittance. near (K, 2, R) are the first column that a ring leaves out in each row, and the
+    first after those. discs (M, 2) are radius and transmittance of circles, whose centres are the
+    last M vertices.
+    """
+
+    u: F64
+    v: F64
+    column_wave: F32
+    row_wave: F32
+    edges: F64
+    arcs: F64
+    starts: NDArray[np.int64]
+    weights: F64
+    near: NDArray[np.int64]
+    discs: F64
+    curved: bool
+
+
+@numba.njit(parallel=True, cache=True)
+def fill_field(
+    waves: Waves,
+    core: NDArray[np.complex64],
+    corner: tuple[int, int],
+    scale: np.float32,
+    turned: bool,
     out: NDArray[np.complex64],
 ) -> None:
-    """Add the far field of rings to a plane.
+    """Fill rows of a plane with scale × the far field.
 
     Parameters
     ----------
-    u, v : ndarray, shapes (C,) and (R,)
-        Frequencies of columns and rows, cycles per unit of length.
-    phase_x, phase_y : ndarray, shapes (V, C) and (V, R)
-        exp(−i2π u x) and exp(−i2π v y) of every vertex.
-    edges : ndarray, shape (V, 2)
-        Vector from each vertex to the next of its ring.
-    arcs : ndarray, shape (V, 5)
-        Centre x, y, radius, first angle and sweep of each edge; radius 0 for a straight one.
-    starts : ndarray, shape (K + 1,)
-        First vertex of each ring.
-    moments : ndarray, shape (K, 7)
-        Weight, area, centroid x, y and second moments xx, xy, yy about it of each ring.
-    table : ndarray, shape (T, 2)
-        Fresnel auxiliary functions f and g at steps of 1 / 64.
-    nodes, weights : ndarray, shape (N,)
-        Gauss-Legendre rule on [−1, 1] for arcs near the origin.
-    out : ndarray, shape (R, C)
-        Added to in place.
+    waves : Waves
+        As above.
+    core : ndarray of complex64
+        What the quadrature adds, from the sample (row, column) `corner` on.
+    corner : tuple of int
+        As said.
+    scale : float32
+        Factor.
+    turned : bool
+        Whether the rows below the central one are the conjugate of those above, turned by 180°
+        about the central sample.
+    out : ndarray of complex64, shape (rows, columns)
+        Its first R rows are filled, and those turned from them.
     """
-    columns = len(u)
-    for row in numba.prange(len(v)):
-        total = np.zeros(columns, dtype=np.complex128)
-        first = np.empty(columns, dtype=np.complex128)
-        second = np.empty(columns, dtype=np.complex128)
-        closing = np.empty(columns, dtype=np.complex128)
-        for ring in range(len(starts) - 1):
-            begin, end = starts[ring], starts[ring + 1]
-            total[:] = 0
-            for column in range(columns):
-                first[column] = phase_x[begin, column] * phase_y[begin, row]
-                closing[column] = first[column]
-            for vertex in range(begin, end):
-                if vertex + 1 < end:
-                    for column in range(columns):
-                        second[column] = phase_x[vertex + 1, column] * phase_y[vertex + 1, row]
-                else:
-                    second[:] = closing
-                if arcs[vertex, 2] == 0:
-                    _straight(u, v[row], edges[vertex], first, second, total)
-                else:
-                    _arc(u, v[row], arcs[vertex], first, second, table, nodes, weights, total)
-                first, second = second, first
-            _finish(u, v[row], moments[ring], total, out[row])
+    rows, columns = out.shape
+    for row in numba.prange(len(waves.v)):
+        sums = np.zeros(SIZE, np.float32)
+        below = 2 * (rows // 2) - row
+        for low in range(0, columns, TILE):
+            _tile(waves, core, corner, row, low, sums)
+            real, imag = sums[FIELD : FIELD + TILE], sums[FIELD + TILE : FIELD + 2 * TILE]
+            count = min(TILE, columns - low)
+            for j in range(count):
+                out[row, low + j] = complex(real[j] * scale, imag[j] * scale)
+            if turned and row < below < rows:
+                last = 2 * (columns // 2) - low
+                for j in range(max(0, last + 1 - columns), count):
+                    out[below, last - j] = complex(real[j] * scale, -imag[j] * scale)
 
 
-@numba.njit(cache=True, fastmath={"contract", "nsz", "arcp"})
-def _straight(
-    u: NDArray[np.float64],
-    v: float,
-    edge: NDArray[np.float64],
-    first: NDArray[np.complex128],
-    second: NDArray[np.complex128],
-    total: NDArray[np.complex128],
+@numba.njit(parallel=True, cache=True)
+def add_power(
+    waves: Waves,
+    core: NDArray[np.complex64],
+    corner: tuple[int, int],
+    scale: np.float32,
+    out: F32,
 ) -> None:
-    """Add κ ∫ exp(−i2π q·p) along a straight edge, κ = u e_y − v e_x."""
-    ex, ey = edge[0], edge[1]
-    along_v, cross_v = v * ey, v * ex
-    limit = SMALL_PHASE / (2 * math.pi)
-    for column in range(len(u)):
-        along = u[column] * ex + along_v
-        # The quotient (P0 − P1) / (i 2π q·e) is safe away from q ⟂ e.
-        safe = along if abs(along) > limit else 1.0
-        factor = (u[column] * ey - cross_v) / (2 * math.pi * safe)
-        if abs(along) <= limit:
-            factor = 0.0
-        delta = first[column] - second[column]
-        total[column] += complex(delta.imag * factor, -delta.real * factor)
-    low, high = _near_normal(u, ex, along_v, limit)
-    for column in range(low, high):
-        along = u[column] * ex + along_v
-        if abs(along) <= limit:
-            # Σ (−iθ)^k / (k + 1)! with θ = 2π q·e.
-            step = complex(0.0, -2 * math.pi * along)
-            series = complex(1.0, 0.0)
-            for order in range(8, 1, -1):
-                series = 1 + step / order * series
-            total[column] += (u[column] * ey - cross_v) * first[column] * series
+    """Add scale × the far field's squared modulus to a plane; parameters as of `fill_field`."""
+    columns = out.shape[1]
+    for row in numba.prange(len(waves.v)):
+        sums = np.zeros(SIZE, np.float32)
+        for low in range(0, columns, TILE):
+            _tile(waves, core, corner, row, low, sums)
+            real, imag = sums[FIELD : FIELD + TILE], sums[FIELD + TILE : FIELD + 2 * TILE]
+            part = out[row, low:]
+            for j in range(min(TILE, columns - low)):
+                part[j] += scale * (real[j] * real[j] + imag[j] * imag[j])
 
 
 @numba.njit(cache=True)
-def _near_normal(u: NDArray[np.float64], ex: float, along_v: float, limit: float) -> tuple[int, int]:
-    """Return the range of columns in which |u ex + along_v| can be below a limit."""
-    count = len(u)
-    if ex == 0:
-        return (0, count) if abs(along_v) <= limit else (0, 0)
-    if count == 1:
-        return 0, 1
-    step = u[1] - u[0]
-    one = ((limit - along_v) / ex - u[0]) / step
-    other = ((-limit - along_v) / ex - u[0]) / step
-    low = min(max(min(one, other) - 1, 0.0), float(count))
-    high = min(max(max(one, other) + 2, 0.0), float(count))
-    return int(low), int(high)
-
-
-@numba.njit(cache=True)
-def _arc(
-    u: NDArray[np.float64],
-    v: float,
-    arc: NDArray[np.float64],
-    first: NDArray[np.complex128],
-    second: NDArray[np.complex128],
-    table: NDArray[np.float64],
-    nodes: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    total: NDArray[np.complex128],
+def _tile(
+    waves: Waves,
+    core: NDArray[np.complex64],
+    corner: tuple[int, int],
+    row: int,
+    low: int,
+    sums: F32,
 ) -> None:
-    """Add ∫ (q × dp) exp(−i2π q·p) along an arc of at most 60 degrees."""
-    x, y, radius, start, sweep = arc[0], arc[1], arc[2], arc[3], arc[4]
-    cos0, sin0 = math.cos(start), math.sin(start)
-    cos1, sin1 = math.cos(start + sweep), math.sin(start + sweep)
-    cos_mid, sin_mid = math.cos(start + sweep / 2), math.sin(start + sweep / 2)
-    for column in range(len(u)):
-        uc = u[column]
-        q = math.sqrt(uc * uc + v * v)
-        z = 2 * math.pi * radius * q
-        if z < FAR_ARC or z * abs(sweep) < LONG_ARC:
-            total[column] += _arc_by_quadrature(uc, v, x, y, radius, start, sweep, nodes, weights)
-            continue
-        # The stationary point lies at the angle of q, or opposite to it, whichever is nearer.
-        side = 1.0 if uc * cos_mid + v * sin_mid >= 0 else -1.0
-        inverse = side / q
-        c0, s0 = (cos0 * uc + sin0 * v) * inverse, (sin0 * uc - cos0 * v) * inverse
-        c1, s1 = (cos1 * uc + sin1 * v) * inverse, (sin1 * uc - cos1 * v) * inverse
-        t0, t1 = s0 * math.sqrt(2 / (1 + c0)), s1 * math.sqrt(2 / (1 + c1))
-        end0, end1 = _arc_end(t0, c0, z, table), _arc_end(t1, c1, z, table)
-        if side < 0:
-            end0, end1 = end0.conjugate(), end1.conjugate()
-        value = second[column] * end1 - first[column] * end0
-        if (t0 < 0) != (t1 < 0):
-            value += _stationary(uc, v, x, y, z, side, t1 > t0)
-        total[column] += side * radius * q * value
+    """Sum the field of all rings and discs at a tile of columns, and what the quadrature knows."""
+    frequency = np.empty(TILE if waves.curved else 0)
+    _frequencies(waves.u[low : low + TILE], waves.v[row], frequency, sums)
+    for ring in range(len(waves.starts) - 1):
+        sums[TOTAL : TOTAL + 2 * TILE] = 0
+        _ring(waves, ring, row, low, frequency, sums)
+        first, after = waves.near[ring, 0, row] - low, waves.near[ring, 1, row] - low
+        for j in range(max(first, 0), min(after, TILE)):
+            sums[TOTAL + j] = 0
+            sums[TOTAL + TILE + j] = 0
+        _finish(np.float32(waves.weights[ring]), sums)
+    vertex = waves.starts[-1]
+    for disc in range(len(waves.discs)):
+        _wave(waves, vertex + disc, row, low, sums)
+        _kernels_arcs.disc(waves.discs[disc, 0], waves.discs[disc, 1], frequency, sums)
+    if 0 <= row - corner[0] < core.shape[0]:
+        line = core[row - corner[0]]
+        shift = low - corner[1]
+        for j in range(max(0, -shift), min(TILE, len(line) - shift)):
+            sums[FIELD + j] += line[j + shift].real
+            sums[FIELD + TILE + j] += line[j + shift].imag
 
 
-@numba.njit(cache=True, fastmath={"contract", "nsz", "arcp"})
-def _arc_end(t: float, c: float, z: float, table: NDArray[np.float64]) -> complex:
-    """Return the edge wave of an arc's end: its expansion in 1 / z with the Fresnel tail.
-
-    With t = 2 sin(α / 2) the arc is ∫ g(t) exp(i z t² / 2) dt, g = 2r − 1/r, r = cos(α / 2); each
-    integration by parts takes one term off and leaves (g − g(0)) / t.
-    """
-    r = math.sqrt((1 + c) / 2)
-    inverse_r, inverse_s = 1 / r, 1 / (1 + r)
-    cube = inverse_r * inverse_r * inverse_r
-    h1 = -t / 4 * (inverse_r + inverse_s)
-    m = cube + 2 * inverse_r - 2 * inverse_s - inverse_s * inverse_s / 2
-    h2 = -t / 16 * m
-    slope = -3 * cube * inverse_r - 2 * inverse_r * inverse_r + 2 * inverse_s**2 + inverse_s**3
-    g2 = (-m + (1 - r * r) * inverse_r * slope) / 16
-    h3 = (g2 + 0.1171875) / t if abs(t) > 1e-3 else -0.1025390625 * t
-    inverse_z = 1 / z
-    end = complex(h2 * inverse_z * inverse_z, -h1 * inverse_z + h3 * inverse_z**3)
-    root = math.sqrt(math.pi * inverse_z)
-    f, g = _auxiliary(abs(t) / root, table)
-    sign = -1.0 if t < 0 else 1.0
-    return end - sign * root * _amplitude(inverse_z) * complex(g, f)
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _frequencies(u: F64, v: float, frequency: F64, sums: F32) -> None:
+    """Clear the field; note |q|, its root, its inverse, and 1 / (2π |q|²) of each sample."""
+    for j in range(TILE):
+        square = np.float32(u[j] * u[j] + v * v + 1e-30)
+        inverse = np.float32(1) / square
+        q = np.sqrt(square)
+        sums[FIELD + j] = np.float32(0)
+        sums[FIELD + TILE + j] = np.float32(0)
+        sums[PLACE + j] = np.float32(j)
+        sums[FREQUENCY + j] = q
+        sums[ROOT + j] = np.sqrt(q)
+        sums[INVERSE + j] = q * inverse
+        sums[INVERSE + TILE + j] = np.float32(1 / (2 * math.pi)) * inverse
+    if len(frequency):
+        for j in range(TILE):
+            frequency[j] = math.sqrt(u[j] * u[j] + v * v)
 
 
 @numba.njit(cache=True)
-def _amplitude(inverse_z: float) -> complex:
-    """Return g(0) − g₁(0) / (iz) + g₂(0) / (iz)²."""
-    return complex(1 + 0.1171875 * inverse_z * inverse_z, -0.375 * inverse_z)
-
-
-@numba.njit(cache=True)
-def _stationary(u: float, v: float, x: float, y: float, z: float, side: float, forward: bool) -> complex:
-    """Return the wave from the point of an arc whose normal is along q."""
-    value = math.sqrt(math.pi / z) * _amplitude(1 / z) * complex(1.0, 1.0)
-    if side < 0:
-        value = value.conjugate()
-    angle = -2 * math.pi * (u * x + v * y) - side * z
-    value *= complex(math.cos(angle), math.sin(angle))
-    return value if forward else -value
-
-
-@numba.njit(cache=True)
-def _auxiliary(w: float, table: NDArray[np.float64]) -> tuple[float, float]:
-    """Return the Fresnel auxiliary functions f and g of w >= 0."""
-    place = w * TABLE_STEPS
-    if place < len(table) - 1:
-        index = int(place)
-        part = place - index
-        step = 1.0 / TABLE_STEPS
-        w0 = index * step
-        w1 = w0 + step
-        f0, g0, f1, g1 = table[index, 0], table[index, 1], table[index + 1, 0], table[index + 1, 1]
-        # Cubic Hermite with f' = −π w g and g' = π w f − 1.
-        f = _hermite(part, f0, f1, -math.pi * w0 * g0 * step, -math.pi * w1 * g1 * step)
-        g = _hermite(part, g0, g1, (math.pi * w0 * f0 - 1) * step, (math.pi * w1 * f1 - 1) * step)
-        return f, g
-    square = 1 / (math.pi * w * w)
-    fourth = square * square
-    f = (1 - fourth * (3 - 105 * fourth)) / (math.pi * w)
-    g = (1 - fourth * (15 - 945 * fourth)) * square / (math.pi * w)
-    return f, g
-
-
-@numba.njit(cache=True)
-def _hermite(part: float, y0: float, y1: float, d0: float, d1: float) -> float:
-    rise = y1 - y0
-    return y0 + part * (d0 + part * (3 * rise - 2 * d0 - d1 + part * (d0 + d1 - 2 * rise)))
-
-
-@numba.njit(cache=True)
-def _arc_by_quadrature(
-    u: float,
-    v: float,
-    x: float,
-    y: float,
-    radius: float,
-    start: float,
-    sweep: float,
-    nodes: NDArray[np.float64],
-    weights: NDArray[np.float64],
-) -> complex:
-    total = complex(0.0, 0.0)
-    for index in range(len(nodes)):
-        angle = start + sweep * (nodes[index] + 1) / 2
-        cosine, sine = math.cos(angle), math.sin(angle)
-        across = u * cosine + v * sine
-        phase = -2 * math.pi * (u * x + v * y + radius * across)
-        total += weights[index] * across * complex(math.cos(phase), math.sin(phase))
-    return total * radius * sweep / 2
-
-
-@numba.njit(cache=True)
-def _finish(
-    u: NDArray[np.float64],
-    v: float,
-    moments: NDArray[np.float64],
-    total: NDArray[np.complex128],
-    out: NDArray[np.complex64],
-) -> None:
-    """Divide the boundary integral by −i2π |q|², with the moments' series about the origin."""
-    weight, area = moments[0], moments[1]
-    near = 1.5e-8 * area / (moments[4] + moments[6])
-    for column in range(len(u)):
-        uc = u[column]
-        square = uc * uc + v * v
-        if square > near:
-            factor = weight / (2 * math.pi * square)
-            value = total[column]
-            out[column] += np.complex64(complex(-value.imag * factor, value.real * factor))
+def _ring(waves: Waves, ring: int, row: int, low: int, frequency: F64, sums: F32) -> None:
+    """Sum the edges of a ring: i ∮ exp(−i2π q·p) (q × dp)."""
+    u, v = waves.u[low : low + TILE], waves.v[row]
+    begin, end = waves.starts[ring], waves.starts[ring + 1]
+    carried = False
+    for vertex in range(begin, end):
+        to = vertex + 1 if vertex + 1 < end else begin
+        there = _wave_of(waves, to, row, low)
+        straight = waves.arcs[vertex, 0] == 0
+        if straight:
+            if not carried:
+                _wave(waves, vertex, row, low, sums)
+            _straight(u, v, waves.edges[vertex], there, sums)
         else:
-            # About the centroid, so that a small ring far off the axis has a short series too.
-            angle = -2 * math.pi * (uc * moments[2] + v * moments[3])
-            second = moments[4] * uc * uc + 2 * moments[5] * uc * v + moments[6] * v * v
-            real = weight * (area - 2 * math.pi**2 * second)
-            out[column] += np.complex64(complex(real * math.cos(angle), real * math.sin(angle)))
+            here = _wave_of(waves, vertex, row, low)
+            _kernels_arcs.arc(u, v, waves.arcs[vertex], here, there, frequency, sums)
+        carried = straight
+
+
+@numba.njit(inline="always")
+def _wave_of(waves: Waves, vertex: int, row: int, low: int) -> tuple[F32, F32, np.float32, np.float32]:
+    """Return a vertex's wave: real and imaginary part of the tile's columns, then of the row."""
+    return (
+        waves.column_wave[0, vertex, low : low + TILE],
+        waves.column_wave[1, vertex, low : low + TILE],
+        waves.row_wave[0, vertex, row],
+        waves.row_wave[1, vertex, row],
+    )
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _wave(waves: Waves, vertex: int, row: int, low: int, sums: F32) -> None:
+    """Note exp(−i2π q·p) of a vertex."""
+    real, imag, row_real, row_imag = _wave_of(waves, vertex, row, low)
+    for j in range(TILE):
+        sums[WAVE + j] = real[j] * row_real - imag[j] * row_imag
+        sums[WAVE + TILE + j] = real[j] * row_imag + imag[j] * row_real
+
+
+@numba.njit(cache=True)
+def _straight(u: F64, v: float, edge: F64, there: tuple[F32, F32, np.float32, np.float32], sums: F32) -> None:
+    """Add κ (P − P') / (2π q·e), κ = u e_y − v e_x, and note the wave P' of the edge's end."""
+    along = line_through(u, 2 * math.pi * edge[0], 2 * math.pi * v * edge[1])
+    across = ((u[1] - u[0]) * edge[1], u[0] * edge[1] - v * edge[0])
+    slope, offset = along[0], along[1] + along[2] / along[0]
+    first, after = _flat_range(slope, -offset)
+    _flat(first, after, slope, offset, across, sums)
+    _steep(first, after, along, across, there, sums)
+
+
+@numba.njit(cache=True)
+def _flat_range(slope: float, middle: float) -> tuple[int, int]:
+    """Return the columns of a tile at which |slope (j − middle)| is within the small phase."""
+    reach = SMALL_PHASE / abs(slope)
+    first = min(max(np.ceil(middle - reach), 0.0), float(TILE))
+    after = min(max(np.floor(middle + reach) + 1, first), float(TILE))
+    return int(first), int(after)
+
+
+@numba.njit(cache=True)
+def _flat(
+    first: int, after: int, slope: float, offset: float, across: tuple[float, float], sums: F32
+) -> None:
+    """Add iκ Σ (−iθ)^k / (k + 1)! P, θ = 2π q·e, where θ is small."""
+    for j in range(first, after):
+        phase = slope * (j + offset)
+        square = phase * phase
+        real = 1 - square / 6 * (1 - square / 20 * (1 - square / 42))
+        imag = -phase / 2 * (1 - square / 12 * (1 - square / 30))
+        kappa = across[0] * j + across[1]
+        wave_real, wave_imag = sums[WAVE + j], sums[WAVE + TILE + j]
+        sums[TOTAL + j] -= np.float32(kappa * (real * wave_imag + imag * wave_real))
+        sums[TOTAL + TILE + j] += np.float32(kappa * (real * wave_real - imag * wave_imag))
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _steep(
+    first: int,
+    after: int,
+    along: tuple[float, float, float],
+    across: tuple[float, float],
+    there: tuple[F32, F32, np.float32, np.float32],
+    sums: F32,
+) -> None:
+    """Add the quotient at all other columns."""
+    middle, reach = np.float32((first + after - 1) / 2), np.float32((after - first) / 2)
+    slope, shift, rest = np.float32(along[0]), np.float32(along[1]), np.float32(along[2])
+    step, start = np.float32(across[0]), np.float32(across[1])
+    column_real, column_imag, row_real, row_imag = there
+    for j in range(TILE):
+        place = sums[PLACE + j]
+        steep = abs(place - middle) >= reach
+        phase = slope * (place + shift) + rest if steep else ONE
+        factor = (place * step + start) / phase if steep else np.float32(0)
+        real = column_real[j] * row_real - column_imag[j] * row_imag
+        imag = column_real[j] * row_imag + column_imag[j] * row_real
+        sums[TOTAL + j] += factor * (sums[WAVE + j] - real)
+        sums[TOTAL + TILE + j] += factor * (sums[WAVE + TILE + j] - imag)
+        sums[WAVE + j] = real
+        sums[WAVE + TILE + j] = imag
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _finish(weight: np.float32, sums: F32) -> None:
+    """Add weight / (2π |q|²) × the ring's sum to the field."""
+    for j in range(TILE):
+        factor = weight * sums[INVERSE + TILE + j]
+        sums[FIELD + j] += factor * sums[TOTAL + j]
+        sums[FIELD + TILE + j] += factor * sums[TOTAL + TILE + j]
