@@ -6,7 +6,6 @@ scatter   the core is kept sharp and only what is scattered beyond it is spread.
 add       an artist's control: bright parts above a soft knee are spread and added.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import light, picture, refuse
-from aureole.glare.kernel import nonnegative
+from aureole.glare.kernel import channel_sums, nonnegative
 from aureole.records import Picture
 
 MODES = ("replace", "scatter", "add")
@@ -80,7 +79,7 @@ def prepare(
     """
     refuse.one_of("mode", mode, MODES)
     kernel = nonnegative(psf).pixels[..., :3].copy()
-    total = kernel.sum(axis=(0, 1), dtype=np.float64)
+    total = channel_sums(kernel)
     if float(total.max()) > 1.01:
         raise refuse.Refusal(
             f"'psf' must hold at most all energy (sum <= 1), got a sum of {total.max():.3g}."
@@ -91,7 +90,7 @@ def prepare(
     else:
         kernel *= _beyond_core(kernel.shape[:2], core_radius)[..., None]
     # Whatever is not spread stays: the core's own share and what the border lost.
-    scattered = kernel.sum(axis=(0, 1), dtype=np.float64)
+    scattered = channel_sums(kernel)
     core = (1 - scattered).astype(np.float32)
     spread = picture.Convolver(kernel, shape, precision)
     return Composition(mode, core, float(np.mean(1 - total)), spread)
@@ -153,11 +152,17 @@ def composite(
         bright = _above_knee(source, threshold, knee)
         bright = bright if limit is None else bright * limit
         factor = np.asarray(tint, dtype=np.float32) * np.float32(refuse.finite("gain", gain))
-        out = colour + factor * psf.spread(bright)
+        out = psf.spread(bright)
+        for channel in range(3):
+            out[..., channel] *= factor[channel]
+        out += colour
     else:
         lit = colour if limit is None else colour * limit
-        out = lit * psf.core + psf.spread(lit)
-        out = out if limit is None else out + (colour - lit)
+        out = psf.spread(lit)
+        for channel in range(3):
+            out[..., channel] += lit[..., channel] * psf.core[channel]
+        if limit is not None:
+            out += colour - lit
     return _with_colour(source, out)
 
 
@@ -198,8 +203,8 @@ def _same_space(source: Picture, psf: Picture) -> None:
         )
 
 
-def _with_colour(source: Picture, colour: NDArray[np.float32]) -> Picture:
-    pixels = np.array(source.pixels, dtype=np.float32)
-    pixels[..., :3] = colour
-    metadata: Mapping[str, Any] = source.metadata
-    return Picture(pixels, source.colour_space, metadata)
+def _with_colour(source: Picture, colour: NDArray[np.floating]) -> Picture:
+    pixels = colour.astype(np.float32, copy=False)
+    if source.pixels.shape[2] > 3:
+        pixels = np.concatenate([pixels, source.pixels[..., 3:]], axis=2)
+    return Picture(pixels, source.colour_space, source.metadata)

@@ -50,17 +50,33 @@ def nonnegative(psf: Picture) -> Picture:
         channel scaled to the sum it had.
     """
     colour = psf.pixels[..., :3]
-    low = colour.min(axis=2)
-    if float(low.min()) >= 0:
+    if float(colour.min()) >= 0:
         return psf
+    low = colour.min(axis=2)
     grey = np.maximum(colour @ light.SPACES[psf.colour_space].to_xyz[1].astype(np.float32), 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.where(low < 0, grey / (grey - low), 1.0)
     share = np.nan_to_num(share, nan=0.0).astype(np.float32)[..., None]
     mapped = np.maximum(grey[..., None] + share * (colour - grey[..., None]), 0)
-    before, after = (part.sum(axis=(0, 1), dtype=np.float64) for part in (colour, mapped))
+    before, after = channel_sums(colour), channel_sums(mapped)
     mapped *= (before / after).astype(np.float32)
     return Picture(mapped, psf.colour_space, psf.metadata)
+
+
+def channel_sums(pixels: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return each channel's sum in double precision.
+
+    Parameters
+    ----------
+    pixels : ndarray, shape (rows, columns, channels)
+        Any.
+
+    Returns
+    -------
+    ndarray of float64, shape (channels,)
+        The sums.
+    """
+    return np.array([pixels[..., channel].sum(dtype=np.float64) for channel in range(pixels.shape[2])])
 
 
 def kernel_for(psf: Picture, host: str) -> Picture:
@@ -94,8 +110,7 @@ def kernel_for(psf: Picture, host: str) -> Picture:
         # Turning an even side moves the core one pixel up; it is put back.
         pixels = np.roll(pixels, [1 - side % 2 for side in pixels.shape[:2]], axis=(0, 1))
     else:
-        total = pixels.sum(axis=(0, 1), dtype=np.float64)
-        pixels = (pixels / total).astype(np.float32)
+        pixels = (pixels / channel_sums(pixels)).astype(np.float32)
     return Picture(np.ascontiguousarray(pixels), kernel.colour_space, kernel.metadata)
 
 
