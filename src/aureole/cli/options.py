@@ -106,7 +106,9 @@ KernelSide = Annotated[
 ]
 Precision = Annotated[
     str,
-    typer.Option(help="double; single is faster, less exact in darks by bright lamps.", rich_help_panel=MIXING),
+    typer.Option(
+        help="double; single is faster, less exact in darks by bright lamps.", rich_help_panel=MIXING
+    ),
 ]
 Psf = Annotated[
     Path | None, typer.Option(help="Also write the point spread function.", rich_help_panel=FILES)

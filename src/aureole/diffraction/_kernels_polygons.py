@@ -20,6 +20,7 @@ from aureole.diffraction._kernels_arcs import (
     FAST,
     FIELD,
     FREQUENCY,
+    HALF,
     INVERSE,
     ONE,
     PLACE,
@@ -215,67 +216,34 @@ def _wave(waves: Waves, vertex: int, row: int, low: int, sums: F32) -> None:
         sums[WAVE + TILE + j] = real[j] * row_imag + imag[j] * row_real
 
 
-@numba.njit(cache=True)
-def _straight(u: F64, v: float, edge: F64, there: tuple[F32, F32, np.float32, np.float32], sums: F32) -> None:
-    """Add κ (P − P') / (2π q·e), κ = u e_y − v e_x, and note the wave P' of the edge's end."""
-    along = line_through(u, 2 * math.pi * edge[0], 2 * math.pi * v * edge[1])
-    across = ((u[1] - u[0]) * edge[1], u[0] * edge[1] - v * edge[0])
-    slope, offset = along[0], along[1] + along[2] / along[0]
-    first, after = _flat_range(slope, -offset)
-    _flat(first, after, slope, offset, across, sums)
-    _steep(first, after, along, across, there, sums)
-
-
-@numba.njit(cache=True)
-def _flat_range(slope: float, middle: float) -> tuple[int, int]:
-    """Return the columns of a tile at which |slope (j − middle)| is within the small phase."""
-    reach = SMALL_PHASE / abs(slope)
-    first = min(max(np.ceil(middle - reach), 0.0), float(TILE))
-    after = min(max(np.floor(middle + reach) + 1, first), float(TILE))
-    return int(first), int(after)
-
-
-@numba.njit(cache=True)
-def _flat(
-    first: int, after: int, slope: float, offset: float, across: tuple[float, float], sums: F32
-) -> None:
-    """Add iκ Σ (−iθ)^k / (k + 1)! P, θ = 2π q·e, where θ is small."""
-    for j in range(first, after):
-        phase = slope * (j + offset)
-        square = phase * phase
-        real = 1 - square / 6 * (1 - square / 20 * (1 - square / 42))
-        imag = -phase / 2 * (1 - square / 12 * (1 - square / 30))
-        kappa = across[0] * j + across[1]
-        wave_real, wave_imag = sums[WAVE + j], sums[WAVE + TILE + j]
-        sums[TOTAL + j] -= np.float32(kappa * (real * wave_imag + imag * wave_real))
-        sums[TOTAL + TILE + j] += np.float32(kappa * (real * wave_real - imag * wave_imag))
-
-
 @numba.njit(cache=True, error_model="numpy", fastmath=FAST)
-def _steep(
-    first: int,
-    after: int,
-    along: tuple[float, float, float],
-    across: tuple[float, float],
-    there: tuple[F32, F32, np.float32, np.float32],
-    sums: F32,
-) -> None:
-    """Add the quotient at all other columns."""
-    middle, reach = np.float32((first + after - 1) / 2), np.float32((after - first) / 2)
-    slope, shift, rest = np.float32(along[0]), np.float32(along[1]), np.float32(along[2])
-    step, start = np.float32(across[0]), np.float32(across[1])
+def _straight(u: F64, v: float, edge: F64, there: tuple[F32, F32, np.float32, np.float32], sums: F32) -> None:
+    """Add κ (P − P') / θ, θ = 2π q·e, κ = u e_y − v e_x, and note the wave P' of the edge's end.
+
+    Where θ is small, this is iκ P Σ (−iθ)^k / (k + 1)!.
+    """
+    line = line_through(u, 2 * math.pi * edge[0], 2 * math.pi * v * edge[1])
+    slope, shift, rest = np.float32(line[0]), np.float32(line[1]), np.float32(line[2])
+    step, start = np.float32((u[1] - u[0]) * edge[1]), np.float32(u[0] * edge[1] - v * edge[0])
+    limit, sixth, twelfth = np.float32(SMALL_PHASE), np.float32(1 / 6), np.float32(1 / 12)
     column_real, column_imag, row_real, row_imag = there
     for j in range(TILE):
-        place = sums[PLACE + j]
-        steep = abs(place - middle) >= reach
-        phase = slope * (place + shift) + rest if steep else ONE
-        factor = (place * step + start) / phase if steep else np.float32(0)
-        real = column_real[j] * row_real - column_imag[j] * row_imag
-        imag = column_real[j] * row_imag + column_imag[j] * row_real
-        sums[TOTAL + j] += factor * (sums[WAVE + j] - real)
-        sums[TOTAL + TILE + j] += factor * (sums[WAVE + TILE + j] - imag)
-        sums[WAVE + j] = real
-        sums[WAVE + TILE + j] = imag
+        place, here_real, here_imag = sums[PLACE + j], sums[WAVE + j], sums[WAVE + TILE + j]
+        phase = slope * (place + shift) + rest
+        kappa = place * step + start
+        steep = abs(phase) > limit
+        factor = kappa / (phase if steep else ONE)
+        there_real = column_real[j] * row_real - column_imag[j] * row_imag
+        there_imag = column_real[j] * row_imag + column_imag[j] * row_real
+        square = phase * phase
+        even = kappa * (ONE - sixth * square * (ONE - np.float32(1 / 20) * square))
+        odd = -HALF * kappa * phase * (ONE - twelfth * square * (ONE - np.float32(1 / 30) * square))
+        flat_real = -(even * here_imag + odd * here_real)
+        flat_imag = even * here_real - odd * here_imag
+        sums[TOTAL + j] += factor * (here_real - there_real) if steep else flat_real
+        sums[TOTAL + TILE + j] += factor * (here_imag - there_imag) if steep else flat_imag
+        sums[WAVE + j] = there_real
+        sums[WAVE + TILE + j] = there_imag
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=FAST)
