@@ -39,7 +39,7 @@ def positive(name: str, value: float) -> float:
     Refusal
         Where it is not a finite number above zero.
     """
-    if not _is_number(value) or not math.isfinite(value) or value <= 0:
+    if not _is_finite(value) or value <= 0:
         raise Refusal(f"'{name}' must be a finite number > 0, got {_shown(value)}.")
     return float(value)
 
@@ -64,7 +64,7 @@ def finite(name: str, value: float) -> float:
     Refusal
         Where it is not a finite number.
     """
-    if not _is_number(value) or not math.isfinite(value):
+    if not _is_finite(value):
         raise Refusal(f"'{name}' must be a finite number, got {_shown(value)}.")
     return float(value)
 
@@ -91,7 +91,7 @@ def between(name: str, value: float, low: float, high: float) -> float:
     Refusal
         Where it is not a number in the interval.
     """
-    if not _is_number(value) or not low <= value <= high:
+    if not _is_finite(value) or not low <= value <= high:
         raise Refusal(f"'{name}' must be a number from {low:g} to {high:g}, got {_shown(value)}.")
     return float(value)
 
@@ -196,7 +196,7 @@ def shape_of(name: str, array: Any, shape: tuple[int | None, ...]) -> np.ndarray
     Refusal
         Where the number of dimensions or a length differs.
     """
-    found = np.asarray(array)
+    found = _array(name, array)
     fits = found.ndim == len(shape) and all(
         have == want or (want is None and have > 0) for have, want in zip(found.shape, shape, strict=True)
     )
@@ -226,17 +226,30 @@ def all_finite(name: str, array: Any) -> np.ndarray:
     Refusal
         Where any value is NaN or infinite, or the values are not numbers.
     """
-    found = np.asarray(array)
-    if found.dtype.kind not in "buifc":
-        raise Refusal(f"'{name}' must hold numbers, got values of type {found.dtype}.")
+    found = _array(name, array)
+    if found.dtype.kind not in "buif":
+        raise Refusal(f"'{name}' must hold real numbers, got values of type {found.dtype}.")
     bad = found.size - int(np.count_nonzero(np.isfinite(found)))
     if bad:
         raise Refusal(f"'{name}' must hold finite numbers, got {bad} that are NaN or infinite.")
     return found
 
 
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+def _is_finite(value: object) -> bool:
+    """Return whether a value is a number that a float can hold."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
+
+
+def _array(name: str, array: Any) -> np.ndarray:
+    try:
+        return np.asarray(array)
+    except ValueError:
+        raise Refusal(f"'{name}' must be an array; its rows have different lengths.") from None
 
 
 def _shown(value: object) -> str:

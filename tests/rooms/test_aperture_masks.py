@@ -228,7 +228,7 @@ def test_a_picture_that_is_not_square_is_centred_on_a_dark_square(shape):
         ([[0, 1.5], [0, 0]], "'mask' must hold values from 0 to 1, got 0 to 1.5."),
         ([[0, 0.5], [-0.25, 0]], "'mask' must hold values from 0 to 1, got -0.25 to 0.5."),
         ([[0, math.nan], [1, 0]], "'mask' must hold finite numbers, got 1 that are NaN or infinite."),
-        ([["a", "b"], ["c", "d"]], "'mask' must hold numbers, got values of type <U1."),
+        ([["a", "b"], ["c", "d"]], "'mask' must hold real numbers, got values of type <U1."),
     ],
 )
 def test_masks_refused(mask, message):
