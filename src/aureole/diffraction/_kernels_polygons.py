@@ -138,10 +138,13 @@ def _tile(
     frequency = np.empty(TILE if waves.curved else 0)
     _frequencies(waves.u[low : low + TILE], waves.v[row], frequency, sums)
     for ring in range(len(waves.starts) - 1):
+        first = max(waves.near[ring, 0, row] - low, 0)
+        after = min(waves.near[ring, 1, row] - low, TILE)
+        if after - first == TILE:
+            continue
         sums[TOTAL : TOTAL + 2 * TILE] = 0
         _ring(waves, ring, row, low, frequency, sums)
-        first, after = waves.near[ring, 0, row] - low, waves.near[ring, 1, row] - low
-        for j in range(max(first, 0), min(after, TILE)):
+        for j in range(first, after):
             sums[TOTAL + j] = 0
             sums[TOTAL + TILE + j] = 0
         _finish(np.float32(waves.weights[ring]), sums)

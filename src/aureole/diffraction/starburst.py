@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import light, refuse
-from aureole.diffraction.far import check_grid, far_field
+from aureole.diffraction.far import MOST_EDGES, check_grid, far_field
+from aureole.diffraction.polygons import add_polygons_power
 from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
 
 METHODS = ("auto", "exact", "scaled")
@@ -295,7 +296,7 @@ def _mean_power(
     mean = np.zeros(grid.shape, dtype=np.float32)
     if mean.size:
         for shifted, weight in _shifted(grid, _node_counts(aperture, grid, wavelength, sample, most)):
-            mean += np.float32(weight) * _power(aperture, _in_frequency(shifted, wavelength))
+            _add_power(aperture, _in_frequency(shifted, wavelength), weight, mean)
     return mean
 
 
@@ -345,7 +346,7 @@ def _centred_mean(aperture: Aperture, grid: Grid, counts: tuple[int, int]) -> ND
     upper = _ending_at_axis(Grid((rows // 2 + 1, columns), grid.spacing))
     mean = np.zeros(upper.shape, dtype=np.float32)
     for shifted, weight in _shifted(upper, counts):
-        mean += np.float32(weight) * _power(aperture, shifted)
+        _add_power(aperture, shifted, weight, mean)
     return np.concatenate([mean, mean[-2::-1, ::-1]])
 
 
@@ -355,9 +356,14 @@ def _ending_at_axis(grid: Grid) -> Grid:
     return Grid(grid.shape, grid.spacing, (-last, grid.centre[1]))
 
 
-def _power(aperture: Aperture, grid: Grid) -> NDArray[np.float32]:
+def _add_power(aperture: Aperture, grid: Grid, weight: float, mean: NDArray[np.float32]) -> None:
+    """Add weight × |F|² at the samples of a grid in frequency."""
+    edges = sum(len(ring.vertices) for ring in aperture.outlines)
+    if aperture.mask is None and edges <= MOST_EDGES:
+        add_polygons_power(aperture, grid, weight, mean)
+        return
     amplitude = far_field(aperture, grid).amplitude
-    return np.asarray(amplitude.real**2 + amplitude.imag**2, dtype=np.float32)
+    mean += np.float32(weight) * np.asarray(amplitude.real**2 + amplitude.imag**2, dtype=np.float32)
 
 
 def _summed(pattern: Pattern, grid: Grid, spectrum: Spectrum, samples: int) -> NDArray[np.float32]:
