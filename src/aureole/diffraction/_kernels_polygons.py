@@ -89,20 +89,8 @@ def fill_field(
     out : ndarray of complex64, shape (rows, columns)
         Its first R rows are filled, and those turned from them.
     """
-    rows, columns = out.shape
     for row in numba.prange(len(waves.v)):
-        sums = np.zeros(SIZE, np.float32)
-        below = 2 * (rows // 2) - row
-        for low in range(0, columns, TILE):
-            _tile(waves, core, corner, row, low, sums)
-            real, imag = sums[FIELD : FIELD + TILE], sums[FIELD + TILE : FIELD + 2 * TILE]
-            count = min(TILE, columns - low)
-            for j in range(count):
-                out[row, low + j] = complex(real[j] * scale, imag[j] * scale)
-            if turned and row < below < rows:
-                last = 2 * (columns // 2) - low
-                for j in range(max(0, last + 1 - columns), count):
-                    out[below, last - j] = complex(real[j] * scale, -imag[j] * scale)
+        _fill_row(waves, core, corner, scale, turned, np.int64(row), out)
 
 
 @numba.njit(parallel=True, cache=True)
@@ -114,15 +102,54 @@ def add_power(
     out: F32,
 ) -> None:
     """Add scale × the far field's squared modulus to a plane; parameters as of `fill_field`."""
-    columns = out.shape[1]
     for row in numba.prange(len(waves.v)):
-        sums = np.zeros(SIZE, np.float32)
-        for low in range(0, columns, TILE):
-            _tile(waves, core, corner, row, low, sums)
-            real, imag = sums[FIELD : FIELD + TILE], sums[FIELD + TILE : FIELD + 2 * TILE]
-            part = out[row, low:]
-            for j in range(min(TILE, columns - low)):
-                part[j] += scale * (real[j] * real[j] + imag[j] * imag[j])
+        _add_row(waves, core, corner, scale, np.int64(row), out)
+
+
+@numba.njit(cache=True)
+def _fill_row(
+    waves: Waves,
+    core: NDArray[np.complex64],
+    corner: tuple[int, int],
+    scale: np.float32,
+    turned: bool,
+    row: np.int64,
+    out: NDArray[np.complex64],
+) -> None:
+    """Fill a row, and the one turned from it."""
+    rows, columns = out.shape
+    sums = np.zeros(SIZE, np.float32)
+    below = 2 * (rows // 2) - row
+    for low in range(0, columns, TILE):
+        _tile(waves, core, corner, row, low, sums)
+        real, imag = sums[FIELD : FIELD + TILE], sums[FIELD + TILE : FIELD + 2 * TILE]
+        count = min(TILE, columns - low)
+        for j in range(count):
+            out[row, low + j] = complex(real[j] * scale, imag[j] * scale)
+        if turned and row < below < rows:
+            last = 2 * (columns // 2) - low
+            for j in range(max(0, last + 1 - columns), count):
+                out[below, last - j] = complex(real[j] * scale, -imag[j] * scale)
+
+
+@numba.njit(cache=True)
+def _add_row(
+    waves: Waves,
+    core: NDArray[np.complex64],
+    corner: tuple[int, int],
+    scale: np.float32,
+    row: np.int64,
+    out: F32,
+) -> None:
+    """Add the power along a row."""
+    columns = out.shape[1]
+    sums = np.zeros(SIZE, np.float32)
+    for low in range(0, columns, TILE):
+        _tile(waves, core, corner, row, low, sums)
+        real, imag = sums[FIELD : FIELD + TILE], sums[FIELD + TILE : FIELD + 2 * TILE]
+        part = out[row, low:]
+        for j in range(min(TILE, columns - low)):
+            part[j] += scale * (real[j] * real[j] + imag[j] * imag[j])
 
 
 @numba.njit(cache=True)
@@ -130,7 +157,7 @@ def _tile(
     waves: Waves,
     core: NDArray[np.complex64],
     corner: tuple[int, int],
-    row: int,
+    row: np.int64,
     low: int,
     sums: F32,
 ) -> None:
@@ -180,7 +207,7 @@ def _frequencies(u: F64, v: float, frequency: F64, sums: F32) -> None:
 
 
 @numba.njit(cache=True)
-def _ring(waves: Waves, ring: int, row: int, low: int, frequency: F64, sums: F32) -> None:
+def _ring(waves: Waves, ring: int, row: np.int64, low: int, frequency: F64, sums: F32) -> None:
     """Sum the edges of a ring: i ∮ exp(−i2π q·p) (q × dp)."""
     u, v = waves.u[low : low + TILE], waves.v[row]
     begin, end = waves.starts[ring], waves.starts[ring + 1]
@@ -200,7 +227,7 @@ def _ring(waves: Waves, ring: int, row: int, low: int, frequency: F64, sums: F32
 
 
 @numba.njit(inline="always")
-def _wave_of(waves: Waves, vertex: int, row: int, low: int) -> tuple[F32, F32, np.float32, np.float32]:
+def _wave_of(waves: Waves, vertex: int, row: np.int64, low: int) -> tuple[F32, F32, np.float32, np.float32]:
     """Return a vertex's wave: real and imaginary part of the tile's columns, then of the row."""
     return (
         waves.column_wave[0, vertex, low : low + TILE],
@@ -211,7 +238,7 @@ def _wave_of(waves: Waves, vertex: int, row: int, low: int) -> tuple[F32, F32, n
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=FAST)
-def _wave(waves: Waves, vertex: int, row: int, low: int, sums: F32) -> None:
+def _wave(waves: Waves, vertex: int, row: np.int64, low: int, sums: F32) -> None:
     """Note exp(−i2π q·p) of a vertex."""
     real, imag, row_real, row_imag = _wave_of(waves, vertex, row, low)
     for j in range(TILE):
