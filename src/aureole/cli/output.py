@@ -2,7 +2,8 @@
 
 import json
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -125,6 +126,19 @@ def write(
     say_notes(
         picture.write(path, source, pixel_type=kind, color_config=color_config, color_space=color_space)
     )
+
+
+def write_all(writers: Iterable[Callable[[], None]]) -> None:
+    """Write several files at once, two at a time.
+
+    Parameters
+    ----------
+    writers : iterable of callable
+        Each writes one file.
+    """
+    with ThreadPoolExecutor(2) as pool:
+        for done in [pool.submit(writer) for writer in writers]:
+            done.result()
 
 
 def write_display(path: Path, pixels: NDArray[np.float32]) -> None:

@@ -183,8 +183,13 @@ def demo(job: jobs.DemoJob, folder: Path, as_json: bool) -> None:
     output.places(*files)
     result = output.follow(jobs.run(job))
     scene, after = result.scene, result.glare
-    for path, made in zip(files[:3], (scene, after.picture, after.psf), strict=True):
-        output.write(path, made, "float")
-    output.write_display(files[3], views.exposed(after.picture, scene))
-    output.write_display(files[4], views.before_and_after(scene, after.picture))
+    output.write_all(
+        [
+            lambda: output.write_display(files[4], views.before_and_after(scene, after.picture)),
+            lambda: output.write_display(files[3], views.exposed(after.picture, scene)),
+            lambda: output.write(files[2], after.psf, "float"),
+            lambda: output.write(files[1], after.picture, "float"),
+            lambda: output.write(files[0], scene, "float"),
+        ]
+    )
     output.report("demo", after.report, files, as_json, time.perf_counter() - start)

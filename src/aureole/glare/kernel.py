@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import light, refuse
+from aureole import light, picture, refuse
 from aureole.records import Picture
 
 # Part of the half size over which a kernel falls to zero at its border.
@@ -52,12 +52,7 @@ def nonnegative(psf: Picture) -> Picture:
     colour = psf.pixels[..., :3]
     if float(colour.min()) >= 0:
         return psf
-    low = colour.min(axis=2)
-    grey = np.maximum(colour @ light.SPACES[psf.colour_space].to_xyz[1].astype(np.float32), 0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = np.where(low < 0, grey / (grey - low), 1.0)
-    share = np.nan_to_num(share, nan=0.0).astype(np.float32)[..., None]
-    mapped = np.maximum(grey[..., None] + share * (colour - grey[..., None]), 0)
+    mapped = picture.into_gamut(colour, light.SPACES[psf.colour_space].to_xyz[1])
     before, after = channel_sums(colour), channel_sums(mapped)
     mapped *= (before / after).astype(np.float32)
     return Picture(mapped, psf.colour_space, psf.metadata)

@@ -31,7 +31,7 @@ from aureole.picture.metadata import (
 )
 from aureole.picture.reading import read
 from aureole.picture.scene import night_scene
-from aureole.picture.transfer import decode_srgb, encode_srgb
+from aureole.picture.transfer import decode_srgb, encode_srgb, into_gamut
 from aureole.picture.whole_files import whole_file, writable
 from aureole.picture.writing import COMPRESSIONS, write
 
@@ -54,6 +54,7 @@ __all__ = [
     "false_colour",
     "format_of",
     "header_of",
+    "into_gamut",
     "log_scale",
     "night_scene",
     "notes",

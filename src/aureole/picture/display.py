@@ -111,7 +111,7 @@ def filmic(linear: Pixels) -> Pixels:
     ndarray of float32, shape (rows, columns, 3)
         Linear values 0..1.
     """
-    largest = linear.max(axis=-1, keepdims=True)
+    largest = _largest(linear)
     # For large x the quotient is written by 1/x, so that no power overflows.
     small, large = np.minimum(largest, 1), np.maximum(largest, 1)
     below = small / (1 + small**SHOULDER) ** (1 / SHOULDER)
@@ -156,7 +156,7 @@ def log_scale(linear: ArrayLike, decades: float = DECADES) -> Pixels:
     refuse.positive("decades", decades)
     values = np.asarray(linear, dtype=np.float32)
     is_colour = values.ndim == 3
-    level = values.max(axis=-1, keepdims=True) if is_colour else values
+    level = _largest(values) if is_colour else values
     peak = level.max(initial=0)
     if peak <= 0:
         return np.zeros_like(values)
@@ -223,6 +223,14 @@ def side_by_side(pictures: Sequence[ArrayLike], gap: int = 8, shade: float = 1.0
         sheet[top : top + len(picture), left : left + picture.shape[1]] = picture
         left += picture.shape[1] + gap
     return sheet
+
+
+def _largest(linear: Pixels) -> Pixels:
+    """Return the largest channel of each pixel, shape (rows, columns, 1)."""
+    largest = linear[..., 0]
+    for channel in range(1, linear.shape[-1]):
+        largest = np.maximum(largest, linear[..., channel])
+    return largest[..., None]
 
 
 def _colour(picture: Picture | ArrayLike) -> Pixels:

@@ -42,7 +42,9 @@ def encode_srgb(linear: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.where(value <= np.float32(0.0031308), value * np.float32(12.92), curve)
 
 
-def into_gamut(linear: NDArray[np.float32]) -> NDArray[np.float32]:
+def into_gamut(
+    linear: NDArray[np.float32], weights: NDArray[np.floating] = _REC709_LUMINANCE
+) -> NDArray[np.float32]:
     """Bring colours with negative channels to the gamut's edge, keeping luminance and hue.
 
     Such a colour is mixed with the grey of its own luminance until its lowest channel is zero.
@@ -51,17 +53,22 @@ def into_gamut(linear: NDArray[np.float32]) -> NDArray[np.float32]:
     Parameters
     ----------
     linear : ndarray of float32, shape (rows, columns, 3)
-        Linear Rec.709.
+        Linear RGB.
+    weights : ndarray, shape (3,)
+        Luminance of the channels; Rec.709's unless given.
 
     Returns
     -------
     ndarray of float32, shape (rows, columns, 3)
         Colours without negative values; black where the luminance is not above zero.
     """
-    lowest = linear.min(axis=-1, keepdims=True)
-    if not (lowest < 0).any():
+    if not linear.size or linear.min() >= 0:
         return linear
-    grey = np.maximum((linear @ _REC709_LUMINANCE)[..., None], 0)
-    share = np.where(lowest < 0, grey / np.where(lowest < 0, grey - lowest, 1), 1)
-    mended: NDArray[np.float32] = np.maximum(grey + share * (linear - grey), 0)
+    lowest = np.minimum(np.minimum(linear[..., 0], linear[..., 1]), linear[..., 2])
+    wrong = lowest < 0
+    # Only the colours that are out of gamut are touched.
+    colours, below = linear[wrong], lowest[wrong][:, None]
+    grey = np.maximum(colours @ np.asarray(weights, dtype=np.float32), 0)[:, None]
+    mended = linear.copy()
+    mended[wrong] = np.maximum(grey + grey / (grey - below) * (colours - grey), 0)
     return mended
