@@ -8,6 +8,7 @@ quadtree    a mask as few signed rectangles
 quads       the far field of rectangles as a product of one-dimensional factors
 chirpz      chirp-z transform and FFT of a mask, times the pixel's sinc
 polygons    the far field of exact outlines, straight edges, arcs and circles
+coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals
 """
 

@@ -6,22 +6,25 @@ every wavelength: the frequency there is s / λ. The energy fraction at s per un
 
 "exact" transforms every wavelength at its own scale. "scaled" transforms once and looks the others
 up at scaled places (quad paper Eq. 14-16), finely sampled in the core, where fringes are wide, and
-on the pixels themselves outside it.
+on the pixels themselves outside it. "coherence" keeps that core and sums all wavelengths in closed form
+outside it, for outlines of straight edges.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import light, refuse
+from aureole.diffraction import coherence
 from aureole.diffraction.far import MOST_EDGES, check_grid, far_field
 from aureole.diffraction.polygons import add_polygons_power
 from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
 
-METHODS = ("auto", "exact", "scaled")
+Outer = Callable[[Aperture, Grid, Spectrum, str], NDArray[np.float32]]
+METHODS = ("auto", "exact", "scaled", "coherence")
 SAMPLES = ("area", "point")
 SHORTEST, LONGEST = 380e-9, 780e-9
 REFERENCE_WAVELENGTH = math.sqrt(SHORTEST * LONGEST)
@@ -63,7 +66,8 @@ def starburst(
         The light's.
     method : str
         "exact", every wavelength transformed; "scaled", one transform looked up at scaled places;
-        "auto" is exact for few lines and scaled elsewhere.
+        "coherence", all wavelengths in closed form, for straight edges; "auto" is exact for few lines,
+        coherent where that serves, and scaled elsewhere.
     sample : str
         "area", the integral over each pixel; "point", the density at its centre times its area.
 
@@ -111,11 +115,18 @@ def starburst_stages(
     refuse.one_of("method", method, METHODS)
     refuse.one_of("sample", sample, SAMPLES)
     if method == "auto":
-        method = "exact" if spectrum.kind == "lines" and len(spectrum.wavelengths) <= 8 else "scaled"
+        method = _choose(aperture, spectrum)
     if method == "exact":
         yield from _exact(aperture, grid, spectrum, sample)
     else:
-        yield from _scaled(aperture, grid, spectrum, sample)
+        outer = _coherent if method == "coherence" else _outer
+        yield from _with_core(aperture, grid, spectrum, sample, outer)
+
+
+def _choose(aperture: Aperture, spectrum: Spectrum) -> str:
+    if spectrum.kind == "lines" and len(spectrum.wavelengths) <= 8:
+        return "exact"
+    return "coherence" if coherence.serves(aperture, spectrum) else "scaled"
 
 
 def _exact(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> Iterator[Stage]:
@@ -129,12 +140,14 @@ def _exact(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> I
     yield Stage(1.0, "starburst", Picture(total.astype(np.float32), "xyz"))
 
 
-def _scaled(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> Iterator[Stage]:
+def _with_core(
+    aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str, outer: Outer
+) -> Iterator[Stage]:
     yield Stage(0.0, "starburst's core")
     core_grid = _core_grid(aperture, grid)
     core = _core(aperture, core_grid, spectrum, sample)
     yield Stage(0.2, "starburst's rays")
-    total = _outer(aperture, grid, spectrum, sample)
+    total = outer(aperture, grid, spectrum, sample)
     yield Stage(0.9, "starburst, joining the two")
     _join(total, core, grid, core_grid, _core_reach(aperture, grid))
     if sample == "area":
@@ -234,6 +247,19 @@ def _outer(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> N
     nodes = _node_counts(aperture, grid, wavelength, sample, _most_nodes(aperture, wide))
     pattern = Pattern(_centred_mean(aperture, wide, nodes), wide, wavelength, apertures.energy(aperture))
     total = _summed(pattern, grid, spectrum, OUTER_WAVELENGTHS)
+    return total * _pixel_share(aperture, grid, wavelength)
+
+
+def _coherent(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
+    """Sum all wavelengths in closed form, half the plane where the other half mirrors it."""
+    wavelength = REFERENCE_WAVELENGTH
+    pixel = (grid.spacing[0] / wavelength, grid.spacing[1] / wavelength) if sample == "area" else (0.0, 0.0)
+    (rows, columns), mirrored = grid.shape, grid.centre == (0.0, 0.0)
+    part = _ending_at_axis(Grid((rows // 2 + 1, columns // 2 * 2 + 1), grid.spacing)) if mirrored else grid
+    total = coherence.coherent_power(aperture, _in_frequency(part, wavelength), wavelength, spectrum, pixel)
+    if mirrored:
+        lower = total[1 - rows % 2 : rows // 2][::-1, ::-1]
+        total = np.concatenate([total[:, :columns], lower[:, :columns]])
     return total * _pixel_share(aperture, grid, wavelength)
 
 
