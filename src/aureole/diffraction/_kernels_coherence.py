@@ -17,6 +17,7 @@ def add_pairs(
     vertices: NDArray[np.float64],
     following: NDArray[np.int64],
     weights: NDArray[np.float64],
+    limits: NDArray[np.float64],
     pairs: NDArray[np.float32],
     own: NDArray[np.float32],
     shared: NDArray[np.float32],
@@ -36,6 +37,8 @@ def add_pairs(
         Index of each corner's next.
     weights : ndarray, shape (V,)
         Signed transmittance of the ring of each edge.
+    limits : ndarray, shape (V,)
+        |q·e| of each edge below which its streak is near and pairs of edges are summed one by one.
     pairs : ndarray, shape (V, V, T, 3)
         Γ of each pair of corners.
     own, shared : ndarray, shape (V, T, 3)
@@ -47,38 +50,157 @@ def add_pairs(
     out : ndarray, shape (R, C, 3)
         Written.
     """
-    count = len(vertices)
+    count, columns = len(vertices), len(u)
     for row in numba.prange(len(v)):
-        kappa = np.empty(count)
-        along = np.empty(count)
-        phase = np.empty(count)
+        tau = np.zeros((count, columns))
+        near = np.zeros(columns, dtype=np.bool_)
+        sums = np.zeros((3, columns))
+        _corner_weights(u, v[row], vertices, following, weights, limits, tau, near)
+        for m in range(count):
+            for column in range(columns):
+                square = tau[m, column] * tau[m, column]
+                sums[0, column] += square * total[0]
+                sums[1, column] += square * total[1]
+                sums[2, column] += square * total[2]
+            for n in range(m):
+                _add_corners(
+                    u, v[row], vertices[m] - vertices[n], tau[m], tau[n], near, pairs[m, n], steps, sums
+                )
         values = np.zeros(3)
-        for column in range(len(u)):
-            for j in range(count):
-                ex = vertices[following[j], 0] - vertices[j, 0]
-                ey = vertices[following[j], 1] - vertices[j, 1]
-                phase[j] = u[column] * vertices[j, 0] + v[row] * vertices[j, 1]
-                along[j] = u[column] * ex + v[row] * ey
-                kappa[j] = (u[column] * ey - v[row] * ex) * weights[j]
-            values[:] = 0.0
-            for j in range(count):
-                _add_own(kappa[j], along[j], own[j], total, steps, values)
-                for k in range(j):
-                    factor = 2 * kappa[j] * kappa[k]
-                    if following[k] == j:
-                        _add_adjacent(
-                            k, j, factor, along, following, phase, pairs, shared, total, steps, values
-                        )
-                    elif following[j] == k:
-                        _add_adjacent(
-                            j, k, factor, along, following, phase, pairs, shared, total, steps, values
-                        )
-                    else:
-                        _add_apart(j, k, factor, along, following, phase, pairs, steps, values)
+        work = np.zeros((3, count))
+        for column in range(columns):
+            if near[column]:
+                _pair_by_pair(
+                    u[column],
+                    v[row],
+                    vertices,
+                    following,
+                    weights,
+                    pairs,
+                    own,
+                    shared,
+                    total,
+                    steps,
+                    work,
+                    values,
+                )
+                sums[0, column], sums[1, column], sums[2, column] = values[0], values[1], values[2]
             square = u[column] * u[column] + v[row] * v[row]
             scale = 1 / (16 * math.pi**4 * square * square) if square > 0 else 0.0
             for channel in range(3):
-                out[row, column, channel] = max(values[channel] * scale, 0.0)
+                out[row, column, channel] = max(sums[channel, column] * scale, 0.0)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _corner_weights(
+    u: NDArray[np.float64],
+    v: float,
+    vertices: NDArray[np.float64],
+    following: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    limits: NDArray[np.float64],
+    tau: NDArray[np.float64],
+    near: NDArray[np.bool_],
+) -> None:
+    """Write τ_m = κ_m / x_m − κ_{m−1} / x_{m−1} along a row, and where an edge's streak is near."""
+    for j in range(len(vertices)):
+        k = following[j]
+        ex, ey = vertices[k, 0] - vertices[j, 0], vertices[k, 1] - vertices[j, 1]
+        along_v, cross_v, limit = v * ey, v * ex, limits[j]
+        for column in range(len(u)):
+            along = u[column] * ex + along_v
+            close = abs(along) < limit
+            near[column] |= close
+            quotient = (u[column] * ey - cross_v) * weights[j] / (1.0 if close else along)
+            tau[j, column] += quotient
+            tau[k, column] -= quotient
+
+
+@numba.njit(cache=True)
+def _add_corners(
+    u: NDArray[np.float64],
+    v: float,
+    difference: NDArray[np.float64],
+    first: NDArray[np.float64],
+    second: NDArray[np.float64],
+    near: NDArray[np.bool_],
+    table: NDArray[np.float32],
+    steps: int,
+    sums: NDArray[np.float64],
+) -> None:
+    """Add 2 τ_m τ_n Γ(q·(v_m − v_n)) in the columns where Γ lives."""
+    reach = (len(table) - 4) / steps
+    low, high = _columns_within(u, difference[0], v * difference[1], reach)
+    for column in range(low, high):
+        s = abs(u[column] * difference[0] + v * difference[1])
+        if s >= reach or near[column]:
+            continue
+        place = s * steps
+        index = int(place)
+        t = place - index
+        w0 = t * (-0.5 + t * (1 - 0.5 * t))
+        w1 = 1 + t * t * (-2.5 + 1.5 * t)
+        w2 = t * (0.5 + t * (2 - 1.5 * t))
+        w3 = t * t * (-0.5 + 0.5 * t)
+        factor = 2 * first[column] * second[column]
+        for channel in range(3):
+            sums[channel, column] += factor * (
+                w0 * table[index, channel]
+                + w1 * table[index + 1, channel]
+                + w2 * table[index + 2, channel]
+                + w3 * table[index + 3, channel]
+            )
+
+
+@numba.njit(cache=True)
+def _columns_within(u: NDArray[np.float64], dx: float, along_v: float, reach: float) -> tuple[int, int]:
+    """Return the range of columns in which |u dx + along_v| can be below a reach."""
+    count = len(u)
+    if count == 1 or dx == 0:
+        return (0, count) if count == 1 or abs(along_v) < reach else (0, 0)
+    step = u[1] - u[0]
+    one = ((reach - along_v) / dx - u[0]) / step
+    other = ((-reach - along_v) / dx - u[0]) / step
+    low = min(max(min(one, other) - 1, 0.0), float(count))
+    high = min(max(max(one, other) + 2, 0.0), float(count))
+    return int(low), int(high)
+
+
+@numba.njit(cache=True)
+def _pair_by_pair(
+    u: float,
+    v: float,
+    vertices: NDArray[np.float64],
+    following: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    pairs: NDArray[np.float32],
+    own: NDArray[np.float32],
+    shared: NDArray[np.float32],
+    total: NDArray[np.float64],
+    steps: int,
+    work: NDArray[np.float64],
+    values: NDArray[np.float64],
+) -> None:
+    """Sum the pairs of edges at one frequency, regular where q is normal to an edge."""
+    count = len(vertices)
+    kappa, along, phase = work[0], work[1], work[2]
+    for j in range(count):
+        ex = vertices[following[j], 0] - vertices[j, 0]
+        ey = vertices[following[j], 1] - vertices[j, 1]
+        phase[j] = u * vertices[j, 0] + v * vertices[j, 1]
+        along[j] = u * ex + v * ey
+        kappa[j] = (u * ey - v * ex) * weights[j]
+    values[:] = 0.0
+    for j in range(count):
+        _add_own(kappa[j], along[j], own[j], total, steps, values)
+        for k in range(j):
+            factor = 2 * kappa[j] * kappa[k]
+            if following[k] == j:
+                _add_adjacent(k, j, factor, along, following, pairs, shared, total, steps, values)
+            elif following[j] == k:
+                _add_adjacent(j, k, factor, along, following, pairs, shared, total, steps, values)
+            else:
+                _add_apart(j, k, factor, along, following, phase, pairs, steps, values)
 
 
 @numba.njit(cache=True)
@@ -106,7 +228,6 @@ def _add_adjacent(
     factor: float,
     along: NDArray[np.float64],
     following: NDArray[np.int64],
-    phase: NDArray[np.float64],
     pairs: NDArray[np.float32],
     shared: NDArray[np.float32],
     total: NDArray[np.float64],

@@ -27,6 +27,7 @@ WAVELENGTHS = 401
 REACH = 48
 STEPS = 24
 HEIGHTS = 1536
+NEAR_FRINGES, NEAR_PIXELS = 0.5, 10.0
 
 
 def serves(aperture: Aperture, spectrum: Spectrum) -> bool:
@@ -94,11 +95,16 @@ def coherent_power(
     ratios = reference_wavelength / wavelengths
     size = np.array([pixel[1], pixel[0]]) * unit
     pairs = _pair_tables(vertices, size, ratios, white)
-    own, shared = _edge_tables(vertices[following] - vertices, size, ratios, white)
+    edges = vertices[following] - vertices
+    own, shared = _edge_tables(edges, size, ratios, white)
+    # Within so many fringes or pixels of its streak an edge is summed with each other one by one.
+    limits = np.maximum(NEAR_FRINGES, NEAR_PIXELS * np.abs(edges) @ size)
     v, u = (axis * unit for axis in grid.axes())
     out = np.zeros((*grid.shape, 3), dtype=np.float32)
     total = (white / ratios[:, None] ** 2).sum(axis=0)
-    _kernels_coherence.add_pairs(u, v, vertices, following, weights, pairs, own, shared, total, STEPS, out)
+    _kernels_coherence.add_pairs(
+        u, v, vertices, following, weights, limits, pairs, own, shared, total, STEPS, out
+    )
     # F is in units of the width squared, and |F|² in its fourth power.
     return out * np.float32(unit**4)
 
