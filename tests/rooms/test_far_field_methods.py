@@ -11,8 +11,8 @@ from aureole.diffraction.quads import box_factors, quads_field
 from aureole.records import Aperture
 
 WIDTH = 2e-3
-OF_PIXELS = ["quads", "chirpz", "fft"]
-ARBITRARY = ["quads", "chirpz"]
+OF_PIXELS = ["quads", "rows", "chirpz", "fft"]
+ARBITRARY = ["quads", "rows", "chirpz"]
 RELATIVE = 1e-5  # error over the peak, the area of what is lit
 OUTPUTS = [(1, 1), (1, 23), (22, 1), (16, 16), (17, 17), (24, 15), (15, 40)]
 
@@ -201,8 +201,8 @@ ROUND = aperture.circle(1.0)
         ),
         (
             lambda: far_field(ROUND, GRID, "chirp"),
-            "'method' must be one of 'auto', 'reference', 'polygons', 'quads', 'chirpz', 'fft', "
-            "got 'chirp'. Did you mean 'chirpz'?",
+            "'method' must be one of 'auto', 'reference', 'polygons', 'quads', 'rows', 'chirpz', "
+            "'fft', got 'chirp'. Did you mean 'chirpz'?",
         ),
         (
             lambda: far_field(ROUND, GRID, "quads", raster_size=0),

@@ -6,19 +6,23 @@ far         far_field and its methods, with the chooser
 reference   the slow truth: direct sums and boundary integrals in float64
 quadtree    a mask as few signed rectangles
 quads       the far field of rectangles as a product of one-dimensional factors
+rows        the far field of a mask from its distinct rows
 chirpz      chirp-z transform and FFT of a mask, times the pixel's sinc
 polygons    the far field of exact outlines, straight edges, arcs and circles
+progressive the far field of an aperture that changes, from the change alone
 coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals
 """
 
 from aureole.diffraction.far import METHODS, check_grid, far_field
+from aureole.diffraction.progressive import ProgressiveFarField
 from aureole.diffraction.quadtree import FINEST, Quads, level_mask, paint, quadtree
 from aureole.diffraction.starburst import starburst, starburst_stages
 
 __all__ = [
     "FINEST",
     "METHODS",
+    "ProgressiveFarField",
     "Quads",
     "check_grid",
     "far_field",

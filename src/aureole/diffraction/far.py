@@ -5,6 +5,7 @@ per metre, so that ∬|F|² du dv = ∬|f|² dx dy.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,11 +18,16 @@ from aureole.diffraction.polygons import polygons_field
 from aureole.diffraction.quads import quads_field
 from aureole.diffraction.quadtree import quadtree
 from aureole.diffraction.reference import reference_field
+from aureole.diffraction.rows import Factor, factor, rows_field
 from aureole.records import Aperture, Field, Grid
 
 RASTER_SIZE = 1024
 # Above so many edges an outline costs more than the chirp-z transform of its raster.
 MOST_EDGES = 4000
+# Seconds a call, and a unit of work, fitted to benchmarks/far_field.py on two cores.
+ROWS_CALL, ROWS_PRODUCT, ROWS_OUTPUT, ROWS_PIXEL = 8e-4, 3e-11, 6e-9, 5e-9
+CHIRP_CALL, CHIRP_SAMPLE, CHIRP_OUTPUT = 35e-5, 24e-9, 16e-9
+FFT_CALL, FFT_SAMPLE, FFT_OUTPUT = 35e-5, 7e-9, 30e-9
 
 
 def _by_quads(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
@@ -29,14 +35,16 @@ def _by_quads(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
     return quads_field(quadtree(aperture.mask, aperture.width), grid)
 
 
-METHODS: dict[str, Callable[[Aperture, Grid], NDArray[Any]]] = {
+Method = Callable[[Aperture, Grid], NDArray[Any]]
+METHODS: dict[str, Method] = {
     "reference": reference_field,
     "polygons": polygons_field,
     "quads": _by_quads,
+    "rows": rows_field,
     "chirpz": chirpz_field,
     "fft": fft_field,
 }
-OF_PIXELS = ("quads", "chirpz", "fft")
+OF_PIXELS = ("quads", "rows", "chirpz", "fft")
 
 
 def far_field(aperture: Aperture, grid: Grid, method: str = "auto", raster_size: int = RASTER_SIZE) -> Field:
@@ -49,9 +57,9 @@ def far_field(aperture: Aperture, grid: Grid, method: str = "auto", raster_size:
     grid : Grid
         Frequencies in cycles per metre; any spacing, any centre, odd and even sizes.
     method : str
-        "reference", direct sums in float64; "polygons", exact for outlines; "quads", "chirpz" and
-        "fft" for pixels; "auto" takes exact outlines where they exist and the fastest transform of
-        pixels elsewhere.
+        "reference", direct sums in float64; "polygons", exact for outlines; "quads", "rows",
+        "chirpz" and "fft" for pixels; "auto" takes exact outlines where they exist and what should be
+        the fastest transform of pixels elsewhere.
     raster_size : int
         Pixels a side to which outlines are rasterized where the method works on pixels.
 
@@ -67,14 +75,15 @@ def far_field(aperture: Aperture, grid: Grid, method: str = "auto", raster_size:
     """
     check_grid(grid)
     name = refuse.one_of("method", method, ("auto", *METHODS))
-    if name == "auto":
-        name = _choose(aperture, grid)
+    if name == "auto" and aperture.mask is None:
+        name = "polygons" if _edges(aperture) <= MOST_EDGES else "chirpz"
     if name == "polygons" and aperture.mask is not None:
         raise refuse.Refusal("method 'polygons' needs outlines and this aperture is a raster; use 'quads'.")
     if name in OF_PIXELS and aperture.mask is None:
         mask = apertures.rasterize(aperture, raster_size)
         aperture = Aperture(aperture.width, mask=mask, name=aperture.name)
-    return Field(METHODS[name](aperture, grid), grid)
+    transform = _choose(aperture, grid) if name == "auto" else METHODS[name]
+    return Field(transform(aperture, grid), grid)
 
 
 def check_grid(grid: Grid) -> None:
@@ -100,9 +109,49 @@ def check_grid(grid: Grid) -> None:
         refuse.finite(f"grid centre of the {axis}", centre)
 
 
-def _choose(aperture: Aperture, grid: Grid) -> str:
-    """Pick exact outlines where there are any, else an FFT where the grid is its own."""
-    if aperture.mask is None:
-        edges = sum(len(ring.vertices) for ring in aperture.outlines)
-        return "polygons" if edges <= MOST_EDGES else "chirpz"
-    return "chirpz" if fft_lengths(aperture, grid) is None else "fft"
+def _edges(aperture: Aperture) -> int:
+    return sum(len(ring.vertices) for ring in aperture.outlines)
+
+
+def _choose(aperture: Aperture, grid: Grid) -> Method:
+    """Pick the transform of a raster that should take the least time."""
+    assert aperture.mask is not None
+    size = len(aperture.mask)
+    rivals = {"chirpz": _chirp_seconds(size, grid)}
+    lengths = fft_lengths(aperture, grid)
+    if lengths is not None:
+        rivals["fft"] = _fft_seconds(lengths, grid)
+    rival = min(rivals, key=lambda name: rivals[name])
+    half = (size + 1) // 2
+    if _rows_seconds(size, [half] * 4, grid) <= rivals[rival]:
+        return METHODS["rows"]
+    if _rows_seconds(size, [], grid) > rivals[rival]:
+        return METHODS[rival]
+    # Between the two bounds the mask decides; what was found out about it is used.
+    factors: list[Factor] = factor(aperture.mask)
+    if _rows_seconds(size, [len(each.lines) for each in factors], grid) <= rivals[rival]:
+        return partial(rows_field, factors=factors)
+    return METHODS[rival]
+
+
+def _rows_seconds(size: int, ranks: list[int], grid: Grid) -> float:
+    """Return what 'rows' should take for a mask whose parts have so many distinct lines."""
+    rows, columns = (
+        count // 2 + 1 if centre == 0 else count
+        for count, centre in zip(grid.shape, grid.centre, strict=True)
+    )
+    products = sum(ranks) * columns * (rows + (size + 1) // 2)
+    outputs = grid.shape[0] * grid.shape[1]
+    return ROWS_CALL + ROWS_PRODUCT * products + ROWS_OUTPUT * outputs + ROWS_PIXEL * size**2
+
+
+def _chirp_seconds(size: int, grid: Grid) -> float:
+    """Return what 'chirpz' should take."""
+    rows, columns = grid.shape
+    samples = size * (size + columns) + columns * (size + rows)
+    return CHIRP_CALL + CHIRP_SAMPLE * samples + CHIRP_OUTPUT * rows * columns
+
+
+def _fft_seconds(lengths: tuple[int, int], grid: Grid) -> float:
+    """Return what 'fft' should take at its own lengths."""
+    return FFT_CALL + FFT_SAMPLE * lengths[0] * lengths[1] + FFT_OUTPUT * grid.shape[0] * grid.shape[1]
