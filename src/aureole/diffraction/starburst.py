@@ -35,7 +35,7 @@ OUTER_WAVELENGTHS = 161
 # so many samples a fringe, fewer where it would have more than MOST_FINE along its radius.
 CORE_CYCLES = 16.0
 CORE_PIXELS = 16
-FINE_SAMPLES = 8.0
+FINE_SAMPLES = 12.0
 COARSEST_SAMPLES = 1.5
 MOST_FINE = 2048
 # Up to so many Gauss-Legendre nodes a pixel are worth their accuracy; where fringes are more, midpoints do.
@@ -338,7 +338,7 @@ def _node_counts(
     """Return how many Gauss-Legendre nodes integrate the fringes across a pixel, by rows and columns.
 
     |F|² has no fringe finer than the width allows: c = width × pixel / λ cycles in a pixel. Gauss's
-    rule follows them from π c / 2 nodes on; three more bring the error below 1e-5.
+    rule follows them from π c / 2 nodes on; three more bring the error below 1e-4.
     """
     if sample == "point":
         return 1, 1
