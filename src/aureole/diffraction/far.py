@@ -18,7 +18,7 @@ from aureole.diffraction.polygons import polygons_field
 from aureole.diffraction.quads import quads_field
 from aureole.diffraction.quadtree import quadtree
 from aureole.diffraction.reference import reference_field
-from aureole.diffraction.rows import Factor, factor, rows_field
+from aureole.diffraction.rows import factor, multiplications, rows_field
 from aureole.records import Aperture, Field, Grid
 
 RASTER_SIZE = 1024
@@ -122,25 +122,24 @@ def _choose(aperture: Aperture, grid: Grid) -> Method:
     if lengths is not None:
         rivals["fft"] = _fft_seconds(lengths, grid)
     rival = min(rivals, key=lambda name: rivals[name])
-    half = (size + 1) // 2
-    if _rows_seconds(size, [half] * 4, grid) <= rivals[rival]:
-        return METHODS["rows"]
-    if _rows_seconds(size, [], grid) > rivals[rival]:
-        return METHODS[rival]
-    # Between the two bounds the mask decides; what was found out about it is used.
-    factors: list[Factor] = factor(aperture.mask)
-    if _rows_seconds(size, [len(each.lines) for each in factors], grid) <= rivals[rival]:
-        return partial(rows_field, factors=factors)
-    return METHODS[rival]
-
-
-def _rows_seconds(size: int, ranks: list[int], grid: Grid) -> float:
-    """Return what 'rows' should take for a mask whose parts have so many distinct lines."""
     rows, columns = (
         count // 2 + 1 if centre == 0 else count
         for count, centre in zip(grid.shape, grid.centre, strict=True)
     )
-    products = sum(ranks) * columns * (rows + (size + 1) // 2)
+    half = (size + 1) // 2
+    if _rows_seconds(size, 4 * half * columns * (rows + half), grid) <= rivals[rival]:
+        return METHODS["rows"]
+    if _rows_seconds(size, 0, grid) > rivals[rival]:
+        return METHODS[rival]
+    # Between the two bounds the mask decides; what was found out about it is used.
+    factors = factor(aperture.mask)
+    if _rows_seconds(size, multiplications(factors, rows, columns), grid) <= rivals[rival]:
+        return partial(rows_field, factors=factors)
+    return METHODS[rival]
+
+
+def _rows_seconds(size: int, products: int, grid: Grid) -> float:
+    """Return what 'rows' should take with so many multiplications."""
     outputs = grid.shape[0] * grid.shape[1]
     return ROWS_CALL + ROWS_PRODUCT * products + ROWS_OUTPUT * outputs + ROWS_PIXEL * size**2
 

@@ -121,6 +121,29 @@ def rows_power(aperture: Aperture, grid: Grid, factors: list[Factor] | None = No
     return out
 
 
+def multiplications(factors: list[Factor], rows: int, columns: int) -> int:
+    """Return how many multiplications the transforms of factors take, about.
+
+    Parameters
+    ----------
+    factors : list of Factor
+        From `factor`.
+    rows, columns : int
+        Frequencies that are computed along each axis.
+
+    Returns
+    -------
+    int
+        Of the products and of the lines' spectra.
+    """
+    total = 0
+    for each in factors:
+        along = columns if each.by_rows else rows
+        steps = _kernels_rows.count_steps(each.lines)
+        total += len(each.lines) * rows * columns + along * min(STEPS_APART * steps, each.lines.size)
+    return total
+
+
 def _distinct(part: int, quadrant: NDArray[np.float32], sums: NDArray[np.float64]) -> Factor:
     """Number the distinct rows, or columns where they are fewer."""
     hashed = _kernels_rows.hash_lines(quadrant.view(np.uint32), sums, _keys(len(quadrant)))
