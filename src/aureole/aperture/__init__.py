@@ -5,10 +5,12 @@ In: sizes in metres, angles in radians, masks, pictures. Out: `aureole.Aperture`
 shapes     circle, rectangle, iris, polygon, whirl: openings whose edges are known exactly
 masks      from_mask, from_picture and rasterize: between openings and pixels
 compose    union, intersection, subtraction, dimmed, scaled, moved, rotated
+dust       dust and scratches: an opening seen through dirt
 geometry   arcs, chords, areas and moments of outlines, for the rooms above
 """
 
 from aureole.aperture.compose import dimmed, intersection, moved, rotated, scaled, subtraction, union
+from aureole.aperture.dust import dust, scratches
 from aureole.aperture.geometry import (
     Circle,
     arc_of,
@@ -34,6 +36,7 @@ __all__ = [
     "chords",
     "circle",
     "dimmed",
+    "dust",
     "energy",
     "from_mask",
     "from_picture",
@@ -47,6 +50,7 @@ __all__ = [
     "ring_moments",
     "rotated",
     "scaled",
+    "scratches",
     "subtraction",
     "union",
     "whirl",

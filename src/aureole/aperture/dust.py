@@ -1,0 +1,219 @@
+"""Dirt on the opening: dust of gradient noise, and scratches.
+
+Dust is Perlin's improved noise (Perlin 2002), octave over octave, where it rises above a level; its
+third dimension is time, so that an animation is coherent. Scratches are slender lenses between two
+arcs. Both follow from their seed alone, through the bits of PCG64, which never change.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import refuse
+from aureole.aperture import _kernels, _kernels_noise
+from aureole.aperture.geometry import chords, orientation
+from aureole.aperture.masks import CHORD_TOLERANCE, rasterize
+from aureole.records import Aperture, Outline
+
+# Cells after which the noise repeats.
+TABLE = 1 << 16
+# A finer cell would lie between the pixels.
+SMALLEST_CELL = 2.0
+STRETCH_LIMIT, SOFTNESS_LIMIT = 1000.0, 100.0
+# Numbers that describe a scratch: x, y, direction, length, width, bend, darkness.
+SCRATCH_CHANCES = 7
+
+
+def dust(
+    aperture: Aperture,
+    size: int,
+    amount: float,
+    scale: float,
+    seed: int,
+    stretch: float = 1.0,
+    angle: float = 0.0,
+    time: float = 0.0,
+    octaves: int = 4,
+    softness: float = 0.3,
+) -> Aperture:
+    """See an aperture through dust (quad paper §4.4, Fig. 5).
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Outlines or a raster.
+    size : int
+        Pixels on each side of the result.
+    amount : float
+        Part of the open area that dust touches, 0 to 1.
+    scale : float
+        Size of the noise's largest cells, metres.
+    seed : int
+        The same gives the same dust on every machine.
+    stretch : float
+        How many times longer than broad the specks are, 1 to 1000.
+    angle : float
+        Direction along which they are stretched, radians, counter-clockwise as seen from +x.
+    time : float
+        Seconds; after about one the dust is another, close times give close pictures.
+    octaves : int
+        How many sizes of detail, each half of the one before; those below two pixels are left out.
+    softness : float
+        How far above its level the noise darkens a pixel wholly, over the noise's standard
+        deviation, 0 to 100; 0 makes sharp specks.
+
+    Returns
+    -------
+    Aperture
+        A raster on the aperture's width.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is outside its range, or no light is left.
+    """
+    refuse.at_least("size", size, 1)
+    refuse.between("amount", amount, 0, 1)
+    pixel = aperture.width / size
+    cell = refuse.positive("scale", scale) / pixel
+    if cell < SMALLEST_CELL:
+        raise refuse.Refusal(
+            f"'scale' must be at least two pixels, here {SMALLEST_CELL * pixel:g} m, got {scale:g}."
+        )
+    refuse.between("stretch", stretch, 1, STRETCH_LIMIT)
+    refuse.between("softness", softness, 0, SOFTNESS_LIMIT)
+    octaves = min(refuse.at_least("octaves", octaves, 1), 1 + int(math.log2(cell / SMALLEST_CELL)))
+    refuse.finite("time", time)
+    refuse.finite("angle", angle)
+    refuse.at_least("seed", seed, 0)
+    mask = rasterize(aperture, size).astype(np.float64)
+    if amount > 0:
+        noise = _noise(size, cell, seed, stretch, angle, time, octaves)
+        mask = mask * (1 - _darkness(noise, mask > 0, amount, softness))
+    return _seen_through(aperture, mask, "dust")
+
+
+def scratches(
+    aperture: Aperture,
+    size: int,
+    count: int,
+    length: float,
+    width: float,
+    seed: int,
+    bend: float = 0.05,
+    opacity: float = 1.0,
+) -> Aperture:
+    """See an aperture through scratched glass.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Outlines or a raster.
+    size : int
+        Pixels on each side of the result.
+    count : int
+        How many scratches lie on the aperture's square; one more leaves the others where they are.
+    length, width : float
+        Of the longest and broadest, metres; each scratch takes between half and all of both.
+    seed : int
+        The same gives the same scratches on every machine.
+    bend : float
+        Largest rise of a scratch's arc over half its length: 0 straight, 1 a half circle.
+    opacity : float
+        Amplitude that the darkest scratch takes away, 0 to 1; each takes between half and all of it.
+
+    Returns
+    -------
+    Aperture
+        A raster on the aperture's width; each pixel loses by the exact area that a scratch covers.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is outside its range, or no light is left.
+    """
+    refuse.at_least("size", size, 1)
+    refuse.at_least("count", count, 0)
+    refuse.at_least("seed", seed, 0)
+    refuse.between("width", refuse.positive("width", width), 0, refuse.positive("length", length) / 4)
+    refuse.between("bend", bend, 0, 1)
+    refuse.between("opacity", opacity, 0, 1)
+    mask = rasterize(aperture, size).astype(np.float64)
+    chances = _uniform(seed, count * SCRATCH_CHANCES).reshape(count, SCRATCH_CHANCES)
+    for chance in chances:
+        ring = _scratch(chance, aperture.width, length, width, bend)
+        points = chords(ring, CHORD_TOLERANCE * aperture.width / size) * (size / aperture.width) + size / 2
+        _darken(mask, points, orientation(ring), opacity * (1 + chance[6]) / 2)
+    return _seen_through(aperture, mask, "scratches")
+
+
+def _noise(
+    size: int, cell: float, seed: int, stretch: float, angle: float, time: float, octaves: int
+) -> NDArray[np.float64]:
+    """Return noise on the pixels' centres; cell in pixels."""
+    bits = _bits(seed, TABLE)
+    table = np.argsort(bits, kind="stable").astype(np.int64)
+    # The lattice's planes have less noise on them, so each octave starts off them, elsewhere.
+    starts = _uniform(seed, TABLE + 3 * octaves)[TABLE:].reshape(octaves, 3)
+    at = np.arange(size) + 0.5 - size / 2
+    cosine, sine = math.cos(angle), math.sin(angle)
+    # Rows count downward, angles turn counter-clockwise as seen.
+    rows = np.stack([-at * sine / (cell * stretch), at * cosine / cell], axis=1)
+    columns = np.stack([at * cosine / (cell * stretch), at * sine / cell], axis=1)
+    depths = time + TABLE * starts[:, 2]
+    return _kernels_noise.fractal_noise(rows, columns, depths, TABLE * starts[:, :2].copy(), table)
+
+
+def _darkness(
+    noise: NDArray[np.float64], lit: NDArray[np.bool_], amount: float, softness: float
+) -> NDArray[np.float64]:
+    """Return how dark dust makes each pixel, above the level that leaves the amount of them."""
+    level = float(np.quantile(noise[lit], 1 - amount))
+    above = noise - level
+    ramp = softness * float(noise[lit].std())
+    if ramp == 0:
+        return np.asarray(above >= 0, dtype=np.float64)
+    share = np.clip(above / ramp, 0, 1)
+    return np.asarray(share * share * (3 - 2 * share))
+
+
+def _scratch(chance: NDArray[np.float64], square: float, length: float, width: float, bend: float) -> Outline:
+    """Return a lens between two arcs that share their ends."""
+    centre = (chance[:2] - 0.5) * square
+    direction = math.pi * chance[2]
+    half = length * (1 + chance[3]) / 4 * np.array([math.cos(direction), math.sin(direction)])
+    # An arc's rise is its bulge times half the chord, so these two lie the width apart.
+    middle = bend * (2 * chance[5] - 1)
+    spread = width * (1 + chance[4]) / (length * (1 + chance[3]))
+    bulges = np.array([middle + spread, spread - middle])
+    return Outline(np.stack([centre - half, centre + half]), bulges)
+
+
+def _darken(mask: NDArray[np.float64], points: NDArray[np.float64], sign: float, opacity: float) -> None:
+    """Take a ring's coverage times its opacity off a mask, in place, where the ring lies."""
+    size = len(mask)
+    left, top = np.clip(np.floor(points.min(axis=0)).astype(int), 0, size)
+    right, bottom = np.clip(np.ceil(points.max(axis=0)).astype(int), 0, size)
+    if right <= left or bottom <= top:
+        return
+    coverage = np.zeros((bottom - top, right - left + 2))
+    _kernels.accumulate_edges(np.ascontiguousarray(points - [left, top]), coverage)
+    covered = np.clip(sign * np.cumsum(coverage, axis=1)[:, :-2], 0, 1)
+    mask[top:bottom, left:right] *= 1 - opacity * covered
+
+
+def _seen_through(aperture: Aperture, mask: NDArray[np.floating], dirt: str) -> Aperture:
+    if not mask.any():
+        raise refuse.Refusal(f"the {dirt} let no light through; take less.")
+    pixels = np.ascontiguousarray(mask, dtype=np.float32)
+    return Aperture(aperture.width, mask=pixels, name=f"{aperture.name} behind {dirt}")
+
+
+def _uniform(seed: int, count: int) -> NDArray[np.float64]:
+    """Return numbers in 0 <= x < 1."""
+    return np.asarray((_bits(seed, count) >> np.uint64(11)) * 2.0**-53)
+
+
+def _bits(seed: int, count: int) -> NDArray[np.uint64]:
+    return np.asarray(np.random.PCG64(seed).random_raw(count), dtype=np.uint64)
