@@ -120,6 +120,21 @@ def test_aperture_draws_what_it_says(tmp_path, capsys):
     assert picture.read(out, transfer="linear").pixels.shape == (512, 512, 3)
 
 
+def test_aperture_draws_its_quadtree_in_two_colours(tmp_path, capsys):
+    out = tmp_path / "quads.png"
+    words = ["aperture", "--quadtree", "--size", "64", "--finest", "half", "-o", str(out), "--json"]
+    assert run(words) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["positive_quads"] + told["negative_quads"] == told["quads"]
+    pixels = picture.read(out).pixels
+    # 32 squares of 48 pixels, and the last line.
+    assert pixels.shape == (1537, 1537, 3)
+    blue = (pixels[..., 2] > 0.5) & (pixels[..., 0] < 0.1)
+    red = (pixels[..., 0] > 0.5) & (pixels[..., 2] < 0.1)
+    assert blue.any()
+    assert red.any() == (told["negative_quads"] > 0)
+
+
 def test_demo_writes_its_files(tmp_path, capsys):
     folder = tmp_path / "new" / "demo"
     assert run(["demo", "--folder", str(folder), "--size", "192x108", "--json"]) == 0

@@ -118,3 +118,17 @@ def test_memory_is_refused_before_it_is_taken():
 def test_what_is_no_job_is_a_programmers_mistake():
     with pytest.raises(TypeError, match="str is not a job"):
         jobs.run("glare")
+
+
+def test_a_quads_outline_is_one_pixel_wide():
+    from aureole.diffraction import quadtree
+    from aureole.jobs.drawing import NEGATIVE, POSITIVE, quadtree_drawing
+
+    mask = np.array([[1.0, 1.0], [1.0, 0.0]])
+    drawing = quadtree_drawing(quadtree(mask, 1.0), mask, 1.0)
+    assert drawing.shape == (1537, 1537, 3)
+    positive = np.all(drawing == np.float32(POSITIVE), axis=2)
+    negative = np.all(drawing == np.float32(NEGATIVE), axis=2)
+    # The dark quarter is taken off the whole; its lines lie over those of the whole.
+    assert negative.sum() == 4 * 768
+    assert (positive | negative).sum() == 4 * 1536 + 2 * 768 - 1

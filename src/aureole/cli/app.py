@@ -158,6 +158,9 @@ def aperture(
     finest: Annotated[
         str, typer.Option(help="Quadtree's finest level: full, half, quarter, eighth.")
     ] = "full",
+    quadtree: Annotated[
+        bool, typer.Option("--quadtree", help="Outline the quads: positive blue, negative red.")
+    ] = False,
     as_json: options.Json = False,
 ) -> None:
     """Draw an aperture, and count what its transforms cost.
@@ -167,9 +170,11 @@ def aperture(
         aureole aperture --blades 9 --curvature 0.8 -o iris.png
 
         aureole aperture --aperture whirl --size 1024 -o whirl.exr --json
+
+        aureole aperture --quadtree --size 128 --finest half -o quads.png
     """
     flags = ShapeFlags(shape, blades, curvature, rotation, obstruction, width, height, aperture_picture)
-    runs.aperture(jobs.ApertureJob(flags.opening(), iris, size, finest), out, as_json)
+    runs.aperture(jobs.ApertureJob(flags.opening(), iris, size, finest, quadtree), out, as_json)
 
 
 @app.command()

@@ -6,6 +6,7 @@ optics      descriptions of apertures and cameras as people give them, made into
 glare       the main job: a picture with the glare that a camera adds
 starburst   a point spread function, or a kernel for another program
 aperture    an aperture drawn, with its quadtree's counts
+drawing     an aperture's quads drawn
 demo        the main job on the bundled scene
 """
 

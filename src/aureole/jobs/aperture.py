@@ -8,6 +8,7 @@ import numpy as np
 
 from aureole import aperture as apertures
 from aureole import diffraction, refuse
+from aureole.jobs.drawing import quadtree_drawing
 from aureole.jobs.optics import DEFAULT_CAMERA, Opening
 from aureole.presets import load
 from aureole.records import Aperture, Picture, Stage
@@ -27,12 +28,15 @@ class ApertureJob:
         Pixels on each side.
     finest : str
         Finest level of the quadtree whose quads are counted.
+    quadtree : bool
+        Whether to draw the quads, too.
     """
 
     opening: Opening = field(default_factory=Opening)
     iris: str | None = None
     size: int = 512
     finest: str = "full"
+    quadtree: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +46,7 @@ class ApertureResult:
     Parameters
     ----------
     picture : Picture
-        Transmittance as linear grey.
+        Transmittance as linear grey, with the quads' outlines on it where asked for.
     aperture : Aperture
         The opening itself.
     report : dict
@@ -80,7 +84,10 @@ def run_aperture(job: ApertureJob) -> Iterator[Stage]:
         "outlines": len(shape.outlines),
         "edges": sum(len(ring.vertices) for ring in shape.outlines),
         "quads": len(quads),
+        "positive_quads": int(np.count_nonzero(quads.weights > 0)),
         "negative_quads": int(np.count_nonzero(quads.weights < 0)),
     }
-    grey = np.repeat(mask[..., None], 3, axis=2)
-    yield Stage(1.0, "aperture", ApertureResult(Picture(grey), shape, report))
+    pixels = np.repeat(mask[..., None], 3, axis=2)
+    if job.quadtree:
+        pixels = quadtree_drawing(quads, diffraction.level_mask(mask, job.finest), shape.width)
+    yield Stage(1.0, "aperture", ApertureResult(Picture(pixels), shape, report))

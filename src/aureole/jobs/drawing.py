@@ -1,0 +1,53 @@
+"""Drawings of how an aperture is broken up, for people to look at."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole.diffraction import Quads
+
+# Linear colours: what blocks light, what lets it through, and the quads' edges.
+DARK, LIT = 0.02, 0.6
+POSITIVE, NEGATIVE = (0.0, 0.12, 0.75), (0.9, 0.08, 0.0)
+WANTED_SIDE, LARGEST_SIDE, LEAST_STEP = 1536, 6144, 3
+
+
+def quadtree_drawing(quads: Quads, mask: NDArray[np.float64], width: float) -> NDArray[np.float32]:
+    """Draw a mask in grey, its positive quads outlined in blue and its negative ones in red.
+
+    Parameters
+    ----------
+    quads : Quads
+        Rectangles in metres.
+    mask : ndarray, shape (n, n)
+        What they add up to.
+    width : float
+        Side of the mask, metres.
+
+    Returns
+    -------
+    ndarray of float32, shape (k n + 1, k n + 1, 3)
+        Linear; k pixels, at least 3 up to n = 2048, stand for each of the mask's.
+    """
+    size = len(mask)
+    step = max(1, min(max(LEAST_STEP, WANTED_SIDE // size), LARGEST_SIDE // size))
+    grey = np.pad(np.kron(mask, np.ones((step, step))), (0, 1), mode="edge")
+    drawing = np.repeat((DARK + (LIT - DARK) * grey)[..., None], 3, axis=2).astype(np.float32)
+    edges = np.clip(np.rint((quads.rectangles / width + 0.5) * size), 0, size).astype(int) * step
+    for colour, chosen in ((POSITIVE, quads.weights > 0), (NEGATIVE, quads.weights < 0)):
+        drawing[_outlined(edges[chosen], size * step + 1)] = colour
+    return drawing
+
+
+def _outlined(edges: NDArray[np.int_], side: int) -> NDArray[np.bool_]:
+    """Return which pixels lie on the rectangles' edges."""
+    x0, y0, x1, y1 = edges.T
+    # Each edge starts a run and ends it one pixel further; running sums fill it in.
+    across, down = np.zeros((side, side + 1), np.int32), np.zeros((side + 1, side), np.int32)
+    for row in (y0, y1):
+        np.add.at(across, (row, x0), 1)
+        np.add.at(across, (row, x1 + 1), -1)
+    for column in (x0, x1):
+        np.add.at(down, (y0, column), 1)
+        np.add.at(down, (y1 + 1, column), -1)
+    lines = (across.cumsum(axis=1)[:, :-1] > 0) | (down.cumsum(axis=0)[:-1] > 0)
+    return np.asarray(lines)
