@@ -295,7 +295,8 @@ def test_auto_is_exact_for_few_lines_and_scaled_elsewhere():
     [
         (
             {"method": "scald"},
-            "'method' must be one of 'auto', 'exact', 'scaled', 'coherence', got 'scald'. Did you mean 'scaled'?",
+            "'method' must be one of 'auto', 'exact', 'scaled', 'coherence', got 'scald'. "
+            "Did you mean 'scaled'?",
         ),
         (
             {"sample": "centre"},
