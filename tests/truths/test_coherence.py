@@ -99,3 +99,13 @@ def test_dimming_divides_out():
 def test_what_it_cannot_sum_is_refused_with_the_method_that_can(shape, lamp):
     with pytest.raises(Refusal, match="use method 'scaled'"):
         diffraction.starburst(shape, Grid((9, 9), (PITCH, PITCH)), lamp, "coherence")
+
+
+@pytest.mark.parametrize("size", [1263, 1265])
+def test_the_axis_is_the_cores_even_where_it_is_off_by_rounding(size):
+    # 1 / |q|⁴ is huge beside the axis; nothing of it may reach the pixel there.
+    pitch = 36e-3 / 1262 / 50e-3
+    lamp = light.illuminant("D65")
+    found = diffraction.starburst(aperture.iris(7, D), Grid((size, size), (pitch, pitch)), lamp, "coherence")
+    total = found.pixels.sum((0, 1), dtype=np.float64)
+    np.testing.assert_allclose(total, light.white(lamp), rtol=1e-3)
