@@ -116,5 +116,6 @@ def turbulence(u: Reals, v: Reals, generator: np.random.Generator, octaves: int 
 
 
 def tint(name: str, luminance: float = 1.0) -> Reals:
+    """Return a named colour in linear Rec.709, scaled to a luminance."""
     colour = np.asarray(COLOURS[name])
     return np.asarray(colour * (luminance / (colour @ LUMINANCE)))
