@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aureole import Grid, aperture, refuse
-from aureole.diffraction import METHODS, check_grid, far_field, quadtree
+from aureole.diffraction import METHODS, check_grid, far_field, far_power, quadtree
 from aureole.diffraction.quads import box_factors, quads_field
 from aureole.records import Aperture
 
@@ -95,6 +95,46 @@ def test_outlines_on_any_frequencies(output):
             per_metre = (spacing[0] / WIDTH, spacing[1] / WIDTH)
             check(shape, Grid(output, per_metre), "polygons")
             check(shape, Grid(output, per_metre, (11.3 / WIDTH, -27.7 / WIDTH)), "polygons")
+
+
+def check_power(shape, grid, method):
+    power = far_power(shape, grid, method)
+    wanted = np.abs(far_field(shape, grid, "reference").amplitude) ** 2
+    assert power.dtype == np.float32
+    assert power.shape == grid.shape
+    np.testing.assert_allclose(power, wanted, rtol=0, atol=2 * RELATIVE * aperture.area(shape) ** 2)
+
+
+@pytest.mark.parametrize("method", [*OF_PIXELS, "auto"])
+@pytest.mark.parametrize("size", [1, 2, 7, 16, 21])
+@pytest.mark.parametrize("output", OUTPUTS)
+def test_power_is_the_squared_field(method, size, output):
+    """On the FFT's own frequencies, and others; N above, at and below the size of the mask."""
+    shape = mask_of("grey", size)
+    pixel = WIDTH / size
+    for rows, columns in ((size, size), (2 * size, 3 * size + 1), (max(1, size // 2), size + 5)):
+        spacing = (1 / (rows * pixel), 1 / (columns * pixel))
+        check_power(shape, Grid(output, spacing), method)
+        check_power(shape, Grid(output, spacing, (3 * spacing[0], -17 * spacing[1])), method)
+        check_power(shape, Grid(output, spacing, (-2 * spacing[0], 0.0)), method)
+    if method != "fft":
+        for centre in ((0.0, 0.0), (11.3 / WIDTH, -407.7 / WIDTH), (0.0, 2.6 / WIDTH)):
+            check_power(shape, Grid(output, (0.37 / WIDTH, 0.91 / WIDTH), centre), method)
+
+
+@pytest.mark.parametrize("method", ["polygons", "auto"])
+@pytest.mark.parametrize("output", [(1, 1), (1, 15), (14, 1), (12, 12), (11, 13), (40, 150), (33, 161)])
+def test_power_of_outlines(method, output):
+    for shape in (aperture.iris(7, WIDTH), aperture.iris(6, WIDTH, 0.5), aperture.circle(WIDTH)):
+        for centre in ((0.0, 0.0), (11.3 / WIDTH, -27.7 / WIDTH), (0.0, 2.6 / WIDTH)):
+            check_power(shape, Grid(output, (0.37 / WIDTH, 0.91 / WIDTH), centre), method)
+
+
+def test_the_reference_has_a_power_in_float64():
+    shape, grid = mask_of("grey", 5), Grid((4, 7), (1 / WIDTH, 0.3 / WIDTH))
+    power = far_power(shape, grid, "reference")
+    assert power.dtype == np.float64
+    np.testing.assert_allclose(power, np.abs(far_field(shape, grid, "reference").amplitude) ** 2, rtol=1e-14)
 
 
 @pytest.mark.parametrize("method", OF_PIXELS)
@@ -210,7 +250,11 @@ ROUND = aperture.circle(1.0)
         ),
     ],
 )
-def test_methods_that_cannot_serve_refuse(make, message):
+def test_methods_that_cannot_serve_refuse(make, message, monkeypatch):
+    with refused(message):
+        make()
+    # The power has the same refusals.
+    monkeypatch.setitem(globals(), "far_field", far_power)
     with refused(message):
         make()
 
@@ -235,8 +279,9 @@ def test_methods_that_cannot_serve_refuse(make, message):
 def test_grids_that_are_none_are_refused(grid, message):
     with refused(message):
         check_grid(grid)
-    with refused(message):
-        far_field(ROUND, grid)
+    for door in (far_field, far_power):
+        with refused(message):
+            door(ROUND, grid)
 
 
 def test_good_grids_pass():

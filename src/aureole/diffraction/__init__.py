@@ -2,7 +2,7 @@
 
 In: apertures, grids in cycles per metre, spectra. Out: fields, patterns and pictures in XYZ.
 
-far         far_field and its methods, with the chooser
+far         far_field and far_power, their methods, and the chooser
 reference   the slow truth: direct sums and boundary integrals in float64
 quadtree    a mask as few signed rectangles
 quads       the far field of rectangles as a product of one-dimensional factors
@@ -14,7 +14,7 @@ coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals
 """
 
-from aureole.diffraction.far import METHODS, check_grid, far_field
+from aureole.diffraction.far import METHODS, check_grid, far_field, far_power
 from aureole.diffraction.progressive import ProgressiveFarField
 from aureole.diffraction.quadtree import FINEST, Quads, level_mask, paint, quadtree
 from aureole.diffraction.starburst import starburst, starburst_stages
@@ -26,6 +26,7 @@ __all__ = [
     "Quads",
     "check_grid",
     "far_field",
+    "far_power",
     "level_mask",
     "paint",
     "quadtree",

@@ -316,3 +316,20 @@ def unfold_power(
             _write_power(out[row], power, 0, column_zero)
         if 0 < i <= row_zero:
             _write_power(out[row_zero - i], power, 1, column_zero)
+
+
+@numba.njit(cache=True, parallel=True)
+def square_field(field: NDArray[np.complex64], out: F32) -> None:
+    """Square the modulus of a field.
+
+    Parameters
+    ----------
+    field : ndarray of complex64, shape (rows, columns)
+        Any.
+    out : ndarray of float32, shape (rows, columns)
+        Filled.
+    """
+    for i in numba.prange(len(field)):
+        for j in range(field.shape[1]):
+            value = field[i, j]
+            out[i, j] = value.real * value.real + value.imag * value.imag

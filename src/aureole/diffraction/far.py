@@ -1,7 +1,7 @@
 """The far field of an aperture: one signature, several methods, and the chooser.
 
 `far_field` returns F(u, v) = ∬ f(x, y) exp(−i2π (u x + v y)) dx dy in square metres, u and v in cycles
-per metre, so that ∬|F|² du dv = ∬|f|² dx dy.
+per metre, so that ∬|F|² du dv = ∬|f|² dx dy. `far_power` returns |F|² and stores no F where it can.
 """
 
 from collections.abc import Callable
@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction.chirpz import chirpz_field, fft_field, fft_lengths
-from aureole.diffraction.polygons import polygons_field
+from aureole.diffraction.polygons import polygons_field, polygons_power
 from aureole.diffraction.quads import quads_field
 from aureole.diffraction.quadtree import quadtree
 from aureole.diffraction.reference import reference_field
-from aureole.diffraction.rows import factor, multiplications, rows_field
+from aureole.diffraction.rows import Factor, factor, multiplications, rows_field, rows_power
 from aureole.records import Aperture, Field, Grid
 
 RASTER_SIZE = 1024
@@ -35,7 +35,7 @@ def _by_quads(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
     return quads_field(quadtree(aperture.mask, aperture.width), grid)
 
 
-Method = Callable[[Aperture, Grid], NDArray[Any]]
+Method = Callable[..., NDArray[Any]]
 METHODS: dict[str, Method] = {
     "reference": reference_field,
     "polygons": polygons_field,
@@ -43,6 +43,28 @@ METHODS: dict[str, Method] = {
     "rows": rows_field,
     "chirpz": chirpz_field,
     "fft": fft_field,
+}
+
+
+def _squared(field: Method) -> Method:
+    """Return a method that squares another one's field."""
+
+    def power(aperture: Aperture, grid: Grid) -> NDArray[Any]:
+        amplitude = field(aperture, grid)
+        if amplitude.dtype == np.complex128:
+            return np.asarray(amplitude.real**2 + amplitude.imag**2)
+        from aureole.diffraction import _kernels_rows  # compiled code: loaded when first used
+
+        out = np.empty(grid.shape, dtype=np.float32)
+        _kernels_rows.square_field(amplitude, out)
+        return out
+
+    return power
+
+
+POWERS: dict[str, Method] = {name: _squared(METHODS[name]) for name in METHODS} | {
+    "polygons": polygons_power,
+    "rows": rows_power,
 }
 OF_PIXELS = ("quads", "rows", "chirpz", "fft")
 
@@ -73,6 +95,45 @@ def far_field(aperture: Aperture, grid: Grid, method: str = "auto", raster_size:
     refuse.Refusal
         Where the grid or the method does not fit.
     """
+    aperture, transform = _chosen(METHODS, aperture, grid, method, raster_size)
+    return Field(transform(aperture, grid), grid)
+
+
+def far_power(
+    aperture: Aperture, grid: Grid, method: str = "auto", raster_size: int = RASTER_SIZE
+) -> NDArray[Any]:
+    """Return |F|² of an aperture on a regular grid of frequencies, F as of `far_field`.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Outlines or a raster.
+    grid : Grid
+        Frequencies in cycles per metre; any spacing, any centre, odd and even sizes.
+    method : str
+        As for `far_field`.
+    raster_size : int
+        Pixels a side to which outlines are rasterized where the method works on pixels.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Metres to the fourth; float64 from "reference". An array and no `Pattern`, since frequencies in
+        cycles per metre belong to no wavelength.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the grid or the method does not fit.
+    """
+    aperture, transform = _chosen(POWERS, aperture, grid, method, raster_size)
+    return transform(aperture, grid)
+
+
+def _chosen(
+    methods: dict[str, Method], aperture: Aperture, grid: Grid, method: str, raster_size: int
+) -> tuple[Aperture, Method]:
+    """Return the aperture as the method needs it, and the method."""
     check_grid(grid)
     name = refuse.one_of("method", method, ("auto", *METHODS))
     if name == "auto" and aperture.mask is None:
@@ -82,8 +143,10 @@ def far_field(aperture: Aperture, grid: Grid, method: str = "auto", raster_size:
     if name in OF_PIXELS and aperture.mask is None:
         mask = apertures.rasterize(aperture, raster_size)
         aperture = Aperture(aperture.width, mask=mask, name=aperture.name)
-    transform = _choose(aperture, grid) if name == "auto" else METHODS[name]
-    return Field(transform(aperture, grid), grid)
+    if name != "auto":
+        return aperture, methods[name]
+    name, factors = _fastest(aperture, grid)
+    return aperture, methods[name] if factors is None else partial(methods[name], factors=factors)
 
 
 def check_grid(grid: Grid) -> None:
@@ -113,8 +176,8 @@ def _edges(aperture: Aperture) -> int:
     return sum(len(ring.vertices) for ring in aperture.outlines)
 
 
-def _choose(aperture: Aperture, grid: Grid) -> Method:
-    """Pick the transform of a raster that should take the least time."""
+def _fastest(aperture: Aperture, grid: Grid) -> tuple[str, list[Factor] | None]:
+    """Name the transform of a raster that should take the least time; what was found of its rows."""
     assert aperture.mask is not None
     size = len(aperture.mask)
     rivals = {"chirpz": _chirp_seconds(size, grid)}
@@ -128,14 +191,14 @@ def _choose(aperture: Aperture, grid: Grid) -> Method:
     )
     half = (size + 1) // 2
     if _rows_seconds(size, 4 * half * columns * (rows + half), grid) <= rivals[rival]:
-        return METHODS["rows"]
+        return "rows", None
     if _rows_seconds(size, 0, grid) > rivals[rival]:
-        return METHODS[rival]
+        return rival, None
     # Between the two bounds the mask decides; what was found out about it is used.
     factors = factor(aperture.mask)
     if _rows_seconds(size, multiplications(factors, rows, columns), grid) <= rivals[rival]:
-        return partial(rows_field, factors=factors)
-    return METHODS[rival]
+        return "rows", factors
+    return rival, None
 
 
 def _rows_seconds(size: int, products: int, grid: Grid) -> float:

@@ -120,6 +120,26 @@ def add_polygons_power(aperture: Aperture, grid: Grid, weight: float, total: NDA
     _kernels_polygons.add_power(waves, core, corner, np.float32(weight * unit**4), total)
 
 
+def polygons_power(aperture: Aperture, grid: Grid) -> NDArray[np.float32]:
+    """Return the power |F|² of an aperture's outlines, without the field.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        With outlines.
+    grid : Grid
+        Frequencies in cycles per metre.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Square metres, squared; accurate to about 1e-6 of the peak's amplitude.
+    """
+    total = np.zeros(grid.shape, dtype=np.float32)
+    add_polygons_power(aperture, grid, 1.0, total)
+    return total
+
+
 @lru_cache(maxsize=8)
 def _shape(aperture: Aperture) -> _Shape:
     """Prepare the outlines of an aperture, which nobody writes into."""
