@@ -11,6 +11,7 @@
 - `transfer`: in: linear light, out: the numbers of display-referred files, and back
 - `color_config`: OpenColorIO configurations where one is given
 - `convolution`: in: pixels and a kernel, out: pixels of the same size
+- `quality`: in: a picture and its reference, out: plain and logarithmic PSNR, SSIM
 - `display`: in: linear pictures, out: pixels that are ready for a screen
 - `scene`: in: a size and a seed, out: the bundled night scene; `_canvas` and `_far_shore` draw for it
 """
@@ -29,6 +30,7 @@ from aureole.picture.metadata import (
     notes,
     with_notes,
 )
+from aureole.picture.quality import log_psnr, psnr, ssim
 from aureole.picture.reading import read
 from aureole.picture.scene import night_scene
 from aureole.picture.transfer import decode_srgb, encode_srgb, into_gamut
@@ -55,12 +57,15 @@ __all__ = [
     "format_of",
     "header_of",
     "into_gamut",
+    "log_psnr",
     "log_scale",
     "night_scene",
     "notes",
+    "psnr",
     "read",
     "refuse_memory",
     "side_by_side",
+    "ssim",
     "to_display",
     "whole_file",
     "with_notes",
