@@ -12,10 +12,12 @@ by F(−u, −v) = F*(u, v).
 """
 
 import os
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -179,7 +181,7 @@ def _transforms(
         raise refuse.Refusal("a transform of pixels needs a raster; rasterize the outlines first.")
     size, width = len(aperture.mask), aperture.width
     tables_y, tables_x = (
-        _tables(size, count, float(spacing * width), float(centre * width))
+        edge_tables(size, count, float(spacing * width), float(centre * width))
         for count, spacing, centre in zip(grid.shape, grid.spacing, grid.centre, strict=True)
     )
     products = np.empty((4, tables_y.shape[2], tables_x.shape[2]), dtype=np.float32)
@@ -187,18 +189,31 @@ def _transforms(
     pairs = []
     for each in factor(aperture.mask) if factors is None else factors:
         y, x = each.odd
-        left, right = _sides(each, tables_y[y], tables_x[x])
+        left, right = sides(each, tables_y[y], tables_x[x])
         pairs.append((left.T, right, products[2 * y + x]))
         present[2 * y + x] = True
-    _multiply(pairs)
+    multiply(pairs)
     zero = [count // 2 if centre == 0 else -1 for count, centre in zip(grid.shape, grid.centre, strict=True)]
     return products, present, (zero[0], zero[1])
 
 
-def _sides(
+def sides(
     each: Factor, table_y: NDArray[np.float32], table_x: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return the two thin matrices (R, P) and (R, Q) whose product is a quadrant's transform."""
+    """Return the two thin matrices whose product is a quadrant's transform.
+
+    Parameters
+    ----------
+    each : Factor
+        The quadrant.
+    table_y, table_x : ndarray of float32, shapes (h, P) and (h, Q)
+        Spectra of lines that are one up to and including each place, or anything linear in them.
+
+    Returns
+    -------
+    left, right : ndarray of float32, shapes (R, P) and (R, Q)
+        The transform is left.T @ right.
+    """
     along, across = (table_x, table_y) if each.by_rows else (table_y, table_x)
     places = np.argsort(each.labels, kind="stable")
     starts = np.searchsorted(each.labels[places], np.arange(len(each.lines) + 1))
@@ -214,21 +229,40 @@ def _spectra(lines: NDArray[np.float32], table: NDArray[np.float32]) -> NDArray[
     steps = lines.copy()
     steps[:, :-1] -= lines[:, 1:]
     out = np.empty((len(lines), table.shape[1]), dtype=np.float32)
-    _multiply([(steps, table, out)])
+    multiply([(steps, table, out)])
     return out
 
 
-def _multiply(pairs: list[tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]]) -> None:
+def multiply(pairs: list[tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]]) -> None:
     """Take matrix products in bands of rows, one thread each.
 
-    OpenBLAS's own threads wait for each other at every step: on a busy machine ten times as long.
+    Parameters
+    ----------
+    pairs : list of tuple
+        Left and right matrix, and the array that their product goes into.
     """
     bands = []
     for left, right, out in pairs:
         edges = np.linspace(0, len(out), _workers() + 1).astype(int)
         bands += [(left[i:j], right, out[i:j]) for i, j in pairwise(edges) if i < j]
+    in_threads(lambda band: np.matmul(band[0], band[1], out=band[2]), bands)
+
+
+def in_threads(task: Callable[[Any], object], items: Iterable[Any]) -> None:
+    """Run a task that takes matrix products for each item: the machine's threads side by side.
+
+    OpenBLAS's own threads wait for each other at every step: on a busy machine ten times as long.
+
+    Parameters
+    ----------
+    task : callable
+        Takes an item; what it returns is dropped.
+    items : iterable
+        Any.
+    """
     with _blas().limit(limits=1):
-        list(_pool().map(lambda band: np.matmul(band[0], band[1], out=band[2]), bands))
+        for _ in _pool().map(task, items):
+            pass
 
 
 def _workers() -> int:
@@ -246,11 +280,23 @@ def _blas() -> ThreadpoolController:
 
 
 @lru_cache(maxsize=4)
-def _tables(size: int, count: int, spacing: float, centre: float) -> NDArray[np.float32]:
+def edge_tables(size: int, count: int, spacing: float, centre: float) -> NDArray[np.float32]:
     """Return ∫ cos(2πux) dx and ∫ sin(2πux) dx from 0 to the pixels' edges, in units of the width.
 
-    Shape (2, h, M): h edges from the centre outwards; M the frequencies, those from zero upwards where
-    the grid is centred on zero.
+    Parameters
+    ----------
+    size : int
+        Pixels across the mask.
+    count : int
+        Frequencies of the grid along this axis.
+    spacing, centre : float
+        The grid's, in cycles per width of the mask.
+
+    Returns
+    -------
+    ndarray of float32, shape (2, h, M)
+        h edges from the centre outwards; M the frequencies, those from zero upwards where the grid is
+        centred on zero. Read only.
     """
     half = (size + 1) // 2
     edges = (np.arange(1, half + 1) - 0.5 * (size % 2))[:, None] / size
