@@ -80,12 +80,17 @@ class Aperture:
         transmittance; None where outlines are given.
     name : str
         What to call it in reports.
+    wavefront : ndarray of float32, shape (rows, columns), or None
+        Wavefront error W of each of the mask's pixels in metres of optical path, positive where light
+        has gone a longer way; at the wavelength λ a pixel lets through mask · exp(i 2π W / λ). None is
+        a flat wavefront.
     """
 
     width: float
     outlines: tuple[Outline, ...] = ()
     mask: NDArray[np.float32] | None = None
     name: str = "aperture"
+    wavefront: NDArray[np.float32] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,8 @@ shapes     circle, rectangle, iris, polygon, whirl: openings whose edges are kno
 masks      from_mask, from_picture and rasterize: between openings and pixels
 compose    union, intersection, subtraction, dimmed, scaled, moved, rotated
 dust       dust and scratches: an opening seen through dirt
+wavefront  wavefront errors of openings, and what pixels do to a wave
+zernike    the polynomials that wavefronts are made of
 geometry   arcs, chords, areas and moments of outlines, for the rooms above
 """
 
@@ -25,14 +27,25 @@ from aureole.aperture.geometry import (
 )
 from aureole.aperture.masks import from_mask, from_picture, rasterize
 from aureole.aperture.shapes import circle, iris, polygon, rectangle, whirl
+from aureole.aperture.wavefront import (
+    bounding_radius,
+    check_wavefront,
+    transmittance,
+    wavefront_rms,
+    with_wavefront,
+)
+from aureole.aperture.zernike import ZERNIKE_NAMES, zernike, zernike_pair
 
 __all__ = [
+    "ZERNIKE_NAMES",
     "Circle",
     "arc_of",
     "area",
     "as_circle",
     "boundary_nodes",
+    "bounding_radius",
     "central_moments",
+    "check_wavefront",
     "chords",
     "circle",
     "dimmed",
@@ -52,6 +65,11 @@ __all__ = [
     "scaled",
     "scratches",
     "subtraction",
+    "transmittance",
     "union",
+    "wavefront_rms",
     "whirl",
+    "with_wavefront",
+    "zernike",
+    "zernike_pair",
 ]

@@ -3,7 +3,8 @@
 With transmittances a and b at a point, the intersection lets through a·b, the subtraction
 a·(1 − b) and the union 1 − (1 − a)·(1 − b). Rings add up, so all three follow from products of
 rings. A ring that lies within another keeps its exact arcs; where edges cross, arcs become chords
-that stray by less than 1e-7 of the width. With a raster among them the result is a raster.
+that stray by less than 1e-7 of the width. With a raster among them the result is a raster. A wavefront
+goes where its raster goes unchanged, and is refused where it would be resampled or lose its meaning.
 """
 
 import math
@@ -32,16 +33,17 @@ def intersection(first: Aperture, second: Aperture) -> Aperture:
     Returns
     -------
     Aperture
-        Transmittance a·b on the width of the first.
+        Transmittance a·b on the width of the first, the wavefronts added up.
 
     Raises
     ------
     refuse.Refusal
-        Where nothing is left.
+        Where nothing is left, or a wavefront would be resampled.
     """
     if first.mask is not None or second.mask is not None:
         masks = _on_one_raster(first, second, first.width)
-        return _raster(masks[0] * masks[1], first.width, "intersection")
+        wavefront = _sum_of_wavefronts(first, second, len(masks[0]))
+        return _raster(masks[0] * masks[1], first.width, "intersection", wavefront)
     return _vector(_products(first, second), first.width, f"{first.name} within {second.name}")
 
 
@@ -58,16 +60,19 @@ def subtraction(first: Aperture, second: Aperture) -> Aperture:
     Returns
     -------
     Aperture
-        Transmittance a·(1 − b) on the width of the first.
+        Transmittance a·(1 − b) on the width of the first, with its wavefront.
 
     Raises
     ------
     refuse.Refusal
-        Where nothing is left.
+        Where nothing is left, the obstruction has a wavefront, or one would be resampled.
     """
+    if second.wavefront is not None:
+        raise refuse.Refusal("an obstruction cannot have a wavefront; give the wavefront to what is left.")
     if first.mask is not None or second.mask is not None:
         masks = _on_one_raster(first, second, first.width)
-        return _raster(masks[0] * (1 - masks[1]), first.width, "subtraction")
+        wavefront = _sum_of_wavefronts(first, second, len(masks[0]))
+        return _raster(masks[0] * (1 - masks[1]), first.width, "subtraction", wavefront)
     rings = (*first.outlines, *_negative(_products(first, second)))
     return _vector(rings, first.width, f"{first.name} without {second.name}")
 
@@ -84,7 +89,14 @@ def union(first: Aperture, second: Aperture) -> Aperture:
     -------
     Aperture
         Transmittance 1 − (1 − a)·(1 − b) on the larger of the two widths.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where either has a wavefront.
     """
+    if first.wavefront is not None or second.wavefront is not None:
+        raise refuse.Refusal("a union cannot carry a wavefront; join first, then give it to the whole.")
     width = max(first.width, second.width)
     if first.mask is not None or second.mask is not None:
         masks = _on_one_raster(first, second, width)
@@ -115,7 +127,7 @@ def dimmed(aperture: Aperture, transmittance: float) -> Aperture:
     """
     factor = refuse.between("transmittance", refuse.positive("transmittance", transmittance), 0, 1)
     if aperture.mask is not None:
-        return _raster(aperture.mask * factor, aperture.width, aperture.name)
+        return _raster(aperture.mask * factor, aperture.width, aperture.name, aperture.wavefront)
     rings = tuple(Outline(r.vertices, r.bulges, r.transmittance * factor) for r in aperture.outlines)
     return Aperture(aperture.width, rings, name=aperture.name)
 
@@ -133,11 +145,11 @@ def scaled(aperture: Aperture, factor: float) -> Aperture:
     Returns
     -------
     Aperture
-        The same shape, its width multiplied too.
+        The same shape, its width multiplied too; a wavefront keeps its optical paths.
     """
     refuse.positive("factor", factor)
     rings = tuple(Outline(r.vertices * factor, r.bulges, r.transmittance) for r in aperture.outlines)
-    return Aperture(aperture.width * factor, rings, aperture.mask, aperture.name)
+    return Aperture(aperture.width * factor, rings, aperture.mask, aperture.name, aperture.wavefront)
 
 
 def rotated(aperture: Aperture, angle: float) -> Aperture:
@@ -280,10 +292,28 @@ def _on_square(aperture: Aperture, width: float, size: int) -> NDArray[np.float6
     return np.asarray(overlap @ aperture.mask @ overlap.T)
 
 
-def _raster(mask: NDArray[Any], width: float, name: str) -> Aperture:
+def _sum_of_wavefronts(first: Aperture, second: Aperture, size: int) -> NDArray[np.float32] | None:
+    """Add up the wavefronts of two apertures whose pixels become those of one raster."""
+    total: NDArray[np.float32] | None = None
+    for each in (first, second):
+        if each.wavefront is None:
+            continue
+        if len(each.wavefront) != size or each.width != first.width:
+            raise refuse.Refusal(
+                f"a wavefront of {len(each.wavefront)} pixels a side cannot be resampled to {size}; compose "
+                "the openings first, then give the wavefront to the whole."
+            )
+        total = each.wavefront if total is None else total + each.wavefront
+    return total
+
+
+def _raster(
+    mask: NDArray[Any], width: float, name: str, wavefront: NDArray[np.float32] | None = None
+) -> Aperture:
     if not mask.any():
         raise refuse.Refusal(f"'{name}' lets no light through.")
-    return Aperture(width, mask=np.clip(mask, 0, 1).astype(np.float32), name=name)
+    pixels = np.clip(mask, 0, 1).astype(np.float32)
+    return Aperture(width, mask=pixels, name=name, wavefront=wavefront)
 
 
 def _need_outlines(aperture: Aperture, verb: str) -> None:

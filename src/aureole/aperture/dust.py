@@ -66,12 +66,12 @@ def dust(
     Returns
     -------
     Aperture
-        A raster on the aperture's width.
+        A raster on the aperture's width, with its wavefront.
 
     Raises
     ------
     refuse.Refusal
-        Where a number is outside its range, or no light is left.
+        Where a number is outside its range, no light is left, or a wavefront would be resampled.
     """
     refuse.at_least("size", size, 1)
     refuse.between("amount", amount, 0, 1)
@@ -126,12 +126,13 @@ def scratches(
     Returns
     -------
     Aperture
-        A raster on the aperture's width; each pixel loses by the exact area that a scratch covers.
+        A raster on the aperture's width, with its wavefront; each pixel loses by the exact area that a
+        scratch covers.
 
     Raises
     ------
     refuse.Refusal
-        Where a number is outside its range, or no light is left.
+        Where a number is outside its range, no light is left, or a wavefront would be resampled.
     """
     refuse.at_least("size", size, 1)
     refuse.at_least("count", count, 0)
@@ -204,10 +205,16 @@ def _darken(mask: NDArray[np.float64], points: NDArray[np.float64], sign: float,
 
 
 def _seen_through(aperture: Aperture, mask: NDArray[np.floating], dirt: str) -> Aperture:
+    if aperture.wavefront is not None and len(aperture.wavefront) != len(mask):
+        raise refuse.Refusal(
+            f"a wavefront of {len(aperture.wavefront)} pixels a side cannot be resampled to {len(mask)}; "
+            "give it to the aperture after the dirt."
+        )
     if not mask.any():
         raise refuse.Refusal(f"the {dirt} let no light through; take less.")
     pixels = np.ascontiguousarray(mask, dtype=np.float32)
-    return Aperture(aperture.width, mask=pixels, name=f"{aperture.name} behind {dirt}")
+    name = f"{aperture.name} behind {dirt}"
+    return Aperture(aperture.width, mask=pixels, name=name, wavefront=aperture.wavefront)
 
 
 def _uniform(seed: int, count: int) -> NDArray[np.float64]:

@@ -95,7 +95,7 @@ def rasterize(aperture: Aperture, size: int) -> NDArray[np.float32]:
     Returns
     -------
     ndarray of float32, shape (size, size)
-        Amplitude transmittance 0..1.
+        Amplitude transmittance 0..1; a wavefront is not told.
 
     Raises
     ------

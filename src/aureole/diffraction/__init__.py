@@ -10,6 +10,7 @@ rows        the far field of a mask from its distinct rows
 chirpz      chirp-z transform and FFT of a mask, times the pixel's sinc
 polygons    the far field of exact outlines, straight edges, arcs and circles
 progressive the far field of an aperture that changes, from the change alone
+autocorrelation  an opening laid over itself, shifted: pixel integrals at one wavelength
 coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals
 """

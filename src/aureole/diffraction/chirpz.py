@@ -2,7 +2,8 @@
 
 A mask's pixels are small squares, so its continuous transform is its discrete one times
 sinc(u p) sinc(v p), exactly. The discrete one is taken at any regular set of frequencies by the
-chirp-z transform (L. Bluestein, 1970), or by a plain FFT where the frequencies are its own.
+chirp-z transform (L. Bluestein, 1970), or by a plain FFT where the frequencies are its own. Pixels
+may have a phase of their own, from a wavefront.
 """
 
 from functools import lru_cache
@@ -12,14 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
+from aureole import aperture as apertures
 from aureole import refuse
 from aureole.records import Aperture, Grid
 
 # How far a frequency may lie from the FFT's own, in steps.
 ON_GRID = 1e-6
+NEEDS_RASTER = "a transform of pixels needs a raster; rasterize the outlines first."
 
 
-def chirpz_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
+def chirpz_field(aperture: Aperture, grid: Grid, wavelength: float | None = None) -> NDArray[np.complex64]:
     """Return a raster's far field by a chirp-z transform along each axis.
 
     Parameters
@@ -28,23 +31,25 @@ def chirpz_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
         A raster.
     grid : Grid
         Frequencies in cycles per metre, any spacing, any centre.
+    wavelength : float, optional
+        Metres; an aperture with a wavefront needs it.
 
     Returns
     -------
     ndarray of complex64, shape (rows, columns)
         Square metres.
     """
-    mask, pixel = _mask_of(aperture)
+    mask, pixel = _mask_of(aperture, wavelength)
     v, u = grid.axes()
     lit = np.flatnonzero(mask.any(axis=1))
     # Only rows with light in them are transformed along x.
     across = np.zeros((len(mask), grid.shape[1]), dtype=np.complex64)
-    across[lit] = _chirp(mask[lit], pixel, u[0], grid.spacing[1], len(u))
-    whole = _chirp(np.ascontiguousarray(across.T), pixel, v[0], grid.spacing[0], len(v)).T
+    across[lit] = chirp(mask[lit], pixel, u[0], grid.spacing[1], len(u))
+    whole = chirp(np.ascontiguousarray(across.T), pixel, v[0], grid.spacing[0], len(v)).T
     return _with_pixel(whole, u, v, pixel)
 
 
-def fft_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
+def fft_field(aperture: Aperture, grid: Grid, wavelength: float | None = None) -> NDArray[np.complex64]:
     """Return a raster's far field at frequencies that a plain FFT has.
 
     Parameters
@@ -54,6 +59,8 @@ def fft_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
     grid : Grid
         Frequencies whose spacing is 1 / (N p) for a whole number N, and whose centre is a multiple
         of the spacing; any number of them.
+    wavelength : float, optional
+        Metres; an aperture with a wavefront needs it.
 
     Returns
     -------
@@ -65,7 +72,7 @@ def fft_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
     refuse.Refusal
         Where the frequencies are not an FFT's own.
     """
-    mask, pixel = _mask_of(aperture)
+    mask, pixel = _mask_of(aperture, wavelength)
     lengths = fft_lengths(aperture, grid)
     if lengths is None:
         raise refuse.Refusal(
@@ -74,11 +81,15 @@ def fft_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
         )
     v, u = grid.axes()
     folded = _fold(_fold(mask, lengths[0], 0), lengths[1], 1)
-    half = fft.rfft(folded, axis=1, workers=_workers())
-    whole = fft.fft(half, axis=0, workers=_workers(), overwrite_x=True)
     rows = np.rint(v / grid.spacing[0]).astype(int)
     columns = np.rint(u / grid.spacing[1]).astype(int)
-    values = _from_half(whole, rows, columns, lengths)
+    if np.iscomplexobj(folded):
+        whole = fft.fft2(folded, workers=_workers(), overwrite_x=True)
+        values = np.asarray(whole[np.ix_(rows % lengths[0], columns % lengths[1])])
+    else:
+        half = fft.rfft(folded, axis=1, workers=_workers())
+        whole = fft.fft(half, axis=0, workers=_workers(), overwrite_x=True)
+        values = _from_half(whole, rows, columns, lengths)
     # The first pixel's centre lies at (p − width) / 2, not at the origin.
     shift = (pixel - aperture.width) / 2
     values *= np.exp(-2j * np.pi * v * shift).astype(np.complex64)[:, None]
@@ -101,7 +112,9 @@ def fft_lengths(aperture: Aperture, grid: Grid) -> tuple[int, int] | None:
     tuple of int or None
         None where the frequencies are not an FFT's own.
     """
-    _, pixel = _mask_of(aperture)
+    if aperture.mask is None:
+        raise refuse.Refusal(NEEDS_RASTER)
+    pixel = aperture.width / len(aperture.mask)
     lengths = []
     for count, spacing, centre in zip(grid.shape, grid.spacing, grid.centre, strict=True):
         length = 1 / (spacing * pixel)
@@ -113,10 +126,14 @@ def fft_lengths(aperture: Aperture, grid: Grid) -> tuple[int, int] | None:
     return lengths[0], lengths[1]
 
 
-def _mask_of(aperture: Aperture) -> tuple[NDArray[np.float32], float]:
+def _mask_of(aperture: Aperture, wavelength: float | None) -> tuple[NDArray[Any], float]:
+    """Return what each pixel lets through, complex where it has a phase, and a pixel's size."""
     if aperture.mask is None:
-        raise refuse.Refusal("a transform of pixels needs a raster; rasterize the outlines first.")
-    return aperture.mask, aperture.width / len(aperture.mask)
+        raise refuse.Refusal(NEEDS_RASTER)
+    values = apertures.transmittance(aperture, wavelength)
+    if np.iscomplexobj(values):
+        values = values.astype(np.complex64)
+    return values, aperture.width / len(values)
 
 
 def _with_pixel(
@@ -129,11 +146,32 @@ def _with_pixel(
     return out
 
 
-def _chirp(rows: NDArray[Any], pixel: float, start: float, step: float, count: int) -> NDArray[np.complex64]:
-    """Sum exp(−i2π f_j x_k) over the samples of each row, x_k the centres of its pixels."""
-    size = rows.shape[1]
-    before, spectrum, after, length = _chirp_tables(size, pixel, start, step, count)
-    wave = np.zeros((len(rows), length), dtype=np.complex64)
+def chirp(
+    rows: NDArray[Any], pixel: float, start: float, step: float, count: int, double: bool = False
+) -> NDArray[Any]:
+    """Sum exp(−i2π f_j x_k) over the samples of each row, x_k the centres of its pixels.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (R, n)
+        Samples at x_k = (k + 1/2 − n/2) pixel.
+    pixel : float
+        Distance of samples, metres.
+    start, step : float
+        Frequencies f_j = start + j step, cycles per metre.
+    count : int
+        Number of frequencies.
+    double : bool
+        Whether to compute in double precision.
+
+    Returns
+    -------
+    ndarray of complex64, or of complex128, shape (R, count)
+        The sums.
+    """
+    size, kind = rows.shape[1], np.complex128 if double else np.complex64
+    before, spectrum, after, length = _chirp_tables(size, pixel, start, step, count, double)
+    wave = np.zeros((len(rows), length), dtype=kind)
     wave[:, :size] = rows * before
     wave = fft.fft(wave, axis=1, workers=_workers(), overwrite_x=True)
     wave *= spectrum
@@ -143,27 +181,27 @@ def _chirp(rows: NDArray[Any], pixel: float, start: float, step: float, count: i
 
 @lru_cache(maxsize=8)
 def _chirp_tables(
-    size: int, pixel: float, start: float, step: float, count: int
-) -> tuple[NDArray[np.complex64], NDArray[np.complex64], NDArray[np.complex64], int]:
+    size: int, pixel: float, start: float, step: float, count: int, double: bool
+) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any], int]:
     """Return Bluestein's factors: jk = (j² + k² − (j − k)²) / 2."""
-    rate = step * pixel
+    rate, kind = step * pixel, np.complex128 if double else np.complex64
     k, j = np.arange(size), np.arange(count)
     first = (0.5 - size / 2) * pixel
     before = _turns(-(start * (first + k * pixel) + rate * k**2 / 2))
     after = _turns(-(j * step * first + rate * j**2 / 2))
     lags = np.arange(-(size - 1), count)
     length = fft.next_fast_len(size + count - 1)
-    chirp = np.zeros(length, dtype=np.complex64)
-    chirp[: len(lags)] = _turns(rate * lags.astype(np.float64) ** 2 / 2)
-    return before, fft.fft(chirp), after, length
+    wave = np.zeros(length, dtype=kind)
+    wave[: len(lags)] = _turns(rate * lags.astype(np.float64) ** 2 / 2)
+    return before.astype(kind), fft.fft(wave), after.astype(kind), length
 
 
-def _turns(turns: NDArray[np.float64]) -> NDArray[np.complex64]:
-    """Return exp(i2π turns), whole turns taken off in float64."""
-    return np.asarray(np.exp(2j * np.pi * (turns - np.rint(turns))), dtype=np.complex64)
+def _turns(turns: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Return exp(i2π turns), whole turns taken off first."""
+    return np.asarray(np.exp(2j * np.pi * (turns - np.rint(turns))))
 
 
-def _fold(mask: NDArray[np.float32], length: int, axis: int) -> NDArray[np.float32]:
+def _fold(mask: NDArray[Any], length: int, axis: int) -> NDArray[Any]:
     """Pad a mask with zeros to a length, or add up its repeats where it is longer."""
     size = mask.shape[axis]
     repeats = -(-size // length)
@@ -174,7 +212,7 @@ def _fold(mask: NDArray[np.float32], length: int, axis: int) -> NDArray[np.float
         return padded
     shape = list(padded.shape)
     shape[axis : axis + 1] = [repeats, length]
-    return np.asarray(padded.reshape(shape).sum(axis=axis, dtype=np.float32))
+    return np.asarray(padded.reshape(shape).sum(axis=axis, dtype=mask.dtype))
 
 
 def _from_half(

@@ -49,8 +49,8 @@ METHODS: dict[str, Method] = {
 def _squared(field: Method) -> Method:
     """Return a method that squares another one's field."""
 
-    def power(aperture: Aperture, grid: Grid) -> NDArray[Any]:
-        amplitude = field(aperture, grid)
+    def power(aperture: Aperture, grid: Grid, **options: Any) -> NDArray[Any]:
+        amplitude = field(aperture, grid, **options)
         if amplitude.dtype == np.complex128:
             return np.asarray(amplitude.real**2 + amplitude.imag**2)
         from aureole.diffraction import _kernels_rows  # compiled code: loaded when first used
@@ -67,9 +67,16 @@ POWERS: dict[str, Method] = {name: _squared(METHODS[name]) for name in METHODS} 
     "rows": rows_power,
 }
 OF_PIXELS = ("quads", "rows", "chirpz", "fft")
+OF_WAVEFRONTS = ("reference", "chirpz", "fft")
 
 
-def far_field(aperture: Aperture, grid: Grid, method: str = "auto", raster_size: int = RASTER_SIZE) -> Field:
+def far_field(
+    aperture: Aperture,
+    grid: Grid,
+    method: str = "auto",
+    raster_size: int = RASTER_SIZE,
+    wavelength: float | None = None,
+) -> Field:
     """Return the Fourier transform of an aperture on a regular grid of frequencies.
 
     Parameters
@@ -81,9 +88,13 @@ def far_field(aperture: Aperture, grid: Grid, method: str = "auto", raster_size:
     method : str
         "reference", direct sums in float64; "polygons", exact for outlines; "quads", "rows",
         "chirpz" and "fft" for pixels; "auto" takes exact outlines where they exist and what should be
-        the fastest transform of pixels elsewhere.
+        the fastest transform of pixels elsewhere. A wavefront is served by "reference", "chirpz" and
+        "fft".
     raster_size : int
         Pixels a side to which outlines are rasterized where the method works on pixels.
+    wavelength : float, optional
+        Metres; an aperture with a wavefront W needs it for the phase 2π W / λ. Then F(−u, −v) is no
+        longer the conjugate of F(u, v).
 
     Returns
     -------
@@ -93,14 +104,18 @@ def far_field(aperture: Aperture, grid: Grid, method: str = "auto", raster_size:
     Raises
     ------
     refuse.Refusal
-        Where the grid or the method does not fit.
+        Where the grid, the method or the wavelength does not fit.
     """
-    aperture, transform = _chosen(METHODS, aperture, grid, method, raster_size)
+    aperture, transform = _chosen(METHODS, aperture, grid, method, raster_size, wavelength)
     return Field(transform(aperture, grid), grid)
 
 
 def far_power(
-    aperture: Aperture, grid: Grid, method: str = "auto", raster_size: int = RASTER_SIZE
+    aperture: Aperture,
+    grid: Grid,
+    method: str = "auto",
+    raster_size: int = RASTER_SIZE,
+    wavelength: float | None = None,
 ) -> NDArray[Any]:
     """Return |F|² of an aperture on a regular grid of frequencies, F as of `far_field`.
 
@@ -114,6 +129,8 @@ def far_power(
         As for `far_field`.
     raster_size : int
         Pixels a side to which outlines are rasterized where the method works on pixels.
+    wavelength : float, optional
+        As for `far_field`.
 
     Returns
     -------
@@ -124,18 +141,27 @@ def far_power(
     Raises
     ------
     refuse.Refusal
-        Where the grid or the method does not fit.
+        Where the grid, the method or the wavelength does not fit.
     """
-    aperture, transform = _chosen(POWERS, aperture, grid, method, raster_size)
+    aperture, transform = _chosen(POWERS, aperture, grid, method, raster_size, wavelength)
     return transform(aperture, grid)
 
 
 def _chosen(
-    methods: dict[str, Method], aperture: Aperture, grid: Grid, method: str, raster_size: int
+    methods: dict[str, Method],
+    aperture: Aperture,
+    grid: Grid,
+    method: str,
+    raster_size: int,
+    wavelength: float | None,
 ) -> tuple[Aperture, Method]:
     """Return the aperture as the method needs it, and the method."""
     check_grid(grid)
     name = refuse.one_of("method", method, ("auto", *METHODS))
+    if aperture.wavefront is not None:
+        apertures.check_wavefront(aperture, wavelength)
+        name = _for_wavefront(aperture, grid, name)
+        return aperture, partial(methods[name], wavelength=wavelength)
     if name == "auto" and aperture.mask is None:
         name = "polygons" if _edges(aperture) <= MOST_EDGES else "chirpz"
     if name == "polygons" and aperture.mask is not None:
@@ -199,6 +225,21 @@ def _fastest(aperture: Aperture, grid: Grid) -> tuple[str, list[Factor] | None]:
     if _rows_seconds(size, multiplications(factors, rows, columns), grid) <= rivals[rival]:
         return "rows", factors
     return rival, None
+
+
+def _for_wavefront(aperture: Aperture, grid: Grid, name: str) -> str:
+    """Name the method that transforms an aperture with a wavefront."""
+    if name not in ("auto", *OF_WAVEFRONTS):
+        raise refuse.Refusal(
+            f"method '{name}' takes real transmittances and this aperture has a wavefront; use 'chirpz'."
+        )
+    if name != "auto":
+        return name
+    assert aperture.mask is not None
+    lengths = fft_lengths(aperture, grid)
+    # A complex transform takes twice the real one's time.
+    chirp = _chirp_seconds(len(aperture.mask), grid)
+    return "fft" if lengths is not None and 2 * _fft_seconds(lengths, grid) < chirp else "chirpz"
 
 
 def _rows_seconds(size: int, products: int, grid: Grid) -> float:

@@ -102,8 +102,8 @@ class ProgressiveFarField:
         Raises
         ------
         refuse.Refusal
-            Where the width or the mask's size differs from the first aperture's, or the mask is not
-            finite; the running field stays as it was.
+            Where the width or the mask's size differs from the first aperture's, the mask is not
+            finite, or there is a wavefront; the running field stays as it was.
         """
         mask = self._mask_of(aperture)
         change = _change(self._mask, mask)
@@ -161,6 +161,11 @@ class ProgressiveFarField:
 
     def _mask_of(self, aperture: Aperture) -> F32:
         """Return an aperture's pixels, refusing what does not fit the first one."""
+        if aperture.wavefront is not None:
+            raise refuse.Refusal(
+                "ProgressiveFarField takes real transmittances and this aperture has a wavefront; use "
+                "'far_field', which takes a wavelength."
+            )
         if self._width is None:
             self._begin(aperture)
         if aperture.width != self._width:

@@ -15,7 +15,9 @@ from aureole.records import Aperture, Grid, Outline
 BATCH = 4096
 
 
-def reference_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex128]:
+def reference_field(
+    aperture: Aperture, grid: Grid, wavelength: float | None = None
+) -> NDArray[np.complex128]:
     """Return the far field by direct summation.
 
     Parameters
@@ -24,6 +26,8 @@ def reference_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex128]:
         Outlines or a raster.
     grid : Grid
         Frequencies in cycles per metre.
+    wavelength : float, optional
+        Metres; an aperture with a wavefront needs it.
 
     Returns
     -------
@@ -31,14 +35,14 @@ def reference_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex128]:
         Square metres.
     """
     if aperture.mask is not None:
-        return _pixels(aperture.mask, aperture.width, grid)
+        return _pixels(apertures.transmittance(aperture, wavelength), aperture.width, grid)
     total = np.zeros(grid.shape, dtype=np.complex128)
     for ring in aperture.outlines:
         total += ring.transmittance * apertures.orientation(ring) * _ring(ring, grid)
     return total
 
 
-def _pixels(mask: NDArray[np.float32], width: float, grid: Grid) -> NDArray[np.complex128]:
+def _pixels(mask: NDArray[np.inexact], width: float, grid: Grid) -> NDArray[np.complex128]:
     """Sum exp(−i2π q·p) over the pixels, times the transform of one pixel."""
     size = len(mask)
     pixel = width / size
@@ -46,7 +50,7 @@ def _pixels(mask: NDArray[np.float32], width: float, grid: Grid) -> NDArray[np.c
     v, u = grid.axes()
     wave_y = np.exp(-2j * np.pi * np.outer(v, centres)) * (pixel * np.sinc(v * pixel))[:, None]
     wave_x = np.exp(-2j * np.pi * np.outer(centres, u)) * (pixel * np.sinc(u * pixel))
-    return np.asarray(wave_y @ mask.astype(np.float64) @ wave_x)
+    return np.asarray(wave_y @ mask.astype(np.complex128) @ wave_x)
 
 
 def _ring(ring: Outline, grid: Grid) -> NDArray[np.complex128]:

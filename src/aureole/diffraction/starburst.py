@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import light, refuse
-from aureole.diffraction import coherence
+from aureole.diffraction import autocorrelation, coherence
 from aureole.diffraction.far import MOST_EDGES, check_grid, far_field
 from aureole.diffraction.polygons import add_polygons_power
 from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
@@ -66,8 +66,8 @@ def starburst(
         The light's.
     method : str
         "exact", every wavelength transformed; "scaled", one transform looked up at scaled places;
-        "coherence", all wavelengths in closed form, for straight edges; "auto" is exact for few lines,
-        coherent where that serves, and scaled elsewhere.
+        "coherence", all wavelengths in closed form, for straight edges; "auto" is exact for few lines and
+        for wavefronts, coherent where that serves, and scaled elsewhere.
     sample : str
         "area", the integral over each pixel; "point", the density at its centre times its area.
 
@@ -116,6 +116,11 @@ def starburst_stages(
     refuse.one_of("sample", sample, SAMPLES)
     if method == "auto":
         method = _choose(aperture, spectrum)
+    if aperture.wavefront is not None and method != "exact":
+        raise refuse.Refusal(
+            f"method '{method}' takes one pattern for all wavelengths and this aperture has a wavefront, "
+            "whose phase is another at each; use method 'exact'."
+        )
     if method == "exact":
         yield from _exact(aperture, grid, spectrum, sample)
     else:
@@ -124,6 +129,8 @@ def starburst_stages(
 
 
 def _choose(aperture: Aperture, spectrum: Spectrum) -> str:
+    if aperture.wavefront is not None:
+        return "exact"
     if spectrum.kind == "lines" and len(spectrum.wavelengths) <= 8:
         return "exact"
     return "coherence" if coherence.serves(aperture, spectrum) else "scaled"
@@ -308,6 +315,9 @@ def _leave_rest_to_axis(
 
 def _fractions(aperture: Aperture, grid: Grid, wavelength: float, sample: str) -> NDArray[np.float32]:
     """Return each pixel's share of the energy at one wavelength."""
+    if aperture.wavefront is not None and sample == "area":
+        mean = autocorrelation.mean_power(aperture, _in_frequency(grid, wavelength), wavelength)
+        return mean * _pixel_share(aperture, grid, wavelength)
     mean = _mean_power(aperture, grid, wavelength, sample, MOST_EXACT_NODES)
     if max(_node_counts(aperture, grid, wavelength, sample)) > MOST_EXACT_NODES:
         # Fewer nodes do outside the core, where many fringes are alike.
@@ -324,7 +334,7 @@ def _mean_power(
     mean = np.zeros(grid.shape, dtype=np.float32)
     if mean.size:
         for shifted, weight in _shifted(grid, _node_counts(aperture, grid, wavelength, sample, most)):
-            _add_power(aperture, _in_frequency(shifted, wavelength), weight, mean)
+            _add_power(aperture, _in_frequency(shifted, wavelength), weight, mean, wavelength)
     return mean
 
 
@@ -384,13 +394,19 @@ def _ending_at_axis(grid: Grid) -> Grid:
     return Grid(grid.shape, grid.spacing, (-last, grid.centre[1]))
 
 
-def _add_power(aperture: Aperture, grid: Grid, weight: float, mean: NDArray[np.float32]) -> None:
-    """Add weight × |F|² at the samples of a grid in frequency."""
+def _add_power(
+    aperture: Aperture,
+    grid: Grid,
+    weight: float,
+    mean: NDArray[np.float32],
+    wavelength: float | None = None,
+) -> None:
+    """Add weight × |F|² at the samples of a grid in frequency; a wavefront needs the wavelength."""
     edges = sum(len(ring.vertices) for ring in aperture.outlines)
     if aperture.mask is None and edges <= MOST_EDGES:
         add_polygons_power(aperture, grid, weight, mean)
         return
-    amplitude = far_field(aperture, grid).amplitude
+    amplitude = far_field(aperture, grid, wavelength=wavelength).amplitude
     mean += np.float32(weight) * np.asarray(amplitude.real**2 + amplitude.imag**2, dtype=np.float32)
 
 
