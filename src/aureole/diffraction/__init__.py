@@ -7,6 +7,7 @@ reference   the slow truth: direct sums and boundary integrals in float64
 quadtree    a mask as few signed rectangles
 quads       the far field of rectangles as a product of one-dimensional factors
 rows        the far field of a mask from its distinct rows
+culling     its power where it may exceed a level, zero elsewhere
 chirpz      chirp-z transform and FFT of a mask, times the pixel's sinc
 polygons    the far field of exact outlines, straight edges, arcs and circles
 progressive the far field of an aperture that changes, from the change alone

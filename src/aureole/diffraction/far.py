@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import refuse
+from aureole.diffraction import culling
 from aureole.diffraction.chirpz import chirpz_field, fft_field, fft_lengths
 from aureole.diffraction.polygons import polygons_field, polygons_power
 from aureole.diffraction.quads import quads_field
@@ -116,6 +117,7 @@ def far_power(
     method: str = "auto",
     raster_size: int = RASTER_SIZE,
     wavelength: float | None = None,
+    cull: float | None = None,
 ) -> NDArray[Any]:
     """Return |F|² of an aperture on a regular grid of frequencies, F as of `far_field`.
 
@@ -131,6 +133,9 @@ def far_power(
         Pixels a side to which outlines are rasterized where the method works on pixels.
     wavelength : float, optional
         As for `far_field`.
+    cull : float, optional
+        A level, of the power at frequency zero: what lies below it may be left at zero where that saves
+        time. Methods "auto" and "rows" take it; None or 0 leaves nothing out.
 
     Returns
     -------
@@ -141,10 +146,41 @@ def far_power(
     Raises
     ------
     refuse.Refusal
-        Where the grid, the method or the wavelength does not fit.
+        Where the grid, the method, the wavelength or the level does not fit.
     """
-    aperture, transform = _chosen(POWERS, aperture, grid, method, raster_size, wavelength)
+    methods = POWERS
+    if cull:
+        culling.check_level(cull)
+        if refuse.one_of("method", method, ("auto", *METHODS)) not in ("auto", "rows"):
+            raise refuse.Refusal(
+                f"method '{method}' computes every frequency and cannot cull; use 'rows' or 'auto'."
+            )
+        if method == "auto" and aperture.mask is not None and aperture.wavefront is None:
+            check_grid(grid)
+            return _culled(aperture, grid, cull)
+        methods = POWERS | {"rows": partial(culling.culled_power, level=cull)}
+    aperture, transform = _chosen(methods, aperture, grid, method, raster_size, wavelength)
     return transform(aperture, grid)
+
+
+def _culled(aperture: Aperture, grid: Grid, level: float) -> NDArray[Any]:
+    """Cull where the tiles that are left take less time than the fastest whole transform."""
+    assert aperture.mask is not None
+    size = len(aperture.mask)
+    name, seconds = _rival(aperture, grid)
+    rows, columns = _computed(grid)
+    factors = factor(aperture.mask)
+    # The test takes two products of thin matrices a tile and axis.
+    whole, test = (multiplications(factors, count, columns) for count in (rows, 4 * rows // culling.TILE))
+    if _rows_seconds(size, test, grid) > seconds:
+        return POWERS[name](aperture, grid)
+    found = culling.survey(aperture, grid, level, factors)
+    share = 1.0 if found is None else found.share()
+    if _rows_seconds(size, int(test + share * (whole - test)), grid) > seconds:
+        return POWERS[name](aperture, grid)
+    if found is None:
+        return rows_power(aperture, grid, factors)
+    return culling.evaluate(found, aperture, grid)
 
 
 def _chosen(
@@ -206,25 +242,38 @@ def _fastest(aperture: Aperture, grid: Grid) -> tuple[str, list[Factor] | None]:
     """Name the transform of a raster that should take the least time; what was found of its rows."""
     assert aperture.mask is not None
     size = len(aperture.mask)
-    rivals = {"chirpz": _chirp_seconds(size, grid)}
+    rival, seconds = _rival(aperture, grid)
+    rows, columns = _computed(grid)
+    half = (size + 1) // 2
+    if _rows_seconds(size, 4 * half * columns * (rows + half), grid) <= seconds:
+        return "rows", None
+    if _rows_seconds(size, 0, grid) > seconds:
+        return rival, None
+    # Between the two bounds the mask decides; what was found out about it is used.
+    factors = factor(aperture.mask)
+    if _rows_seconds(size, multiplications(factors, rows, columns), grid) <= seconds:
+        return "rows", factors
+    return rival, None
+
+
+def _rival(aperture: Aperture, grid: Grid) -> tuple[str, float]:
+    """Name the faster of 'chirpz' and 'fft', and what it should take."""
+    assert aperture.mask is not None
+    rivals = {"chirpz": _chirp_seconds(len(aperture.mask), grid)}
     lengths = fft_lengths(aperture, grid)
     if lengths is not None:
         rivals["fft"] = _fft_seconds(lengths, grid)
-    rival = min(rivals, key=lambda name: rivals[name])
+    name = min(rivals, key=lambda each: rivals[each])
+    return name, rivals[name]
+
+
+def _computed(grid: Grid) -> tuple[int, int]:
+    """Return how many rows and columns of frequencies 'rows' computes; the others mirror them."""
     rows, columns = (
         count // 2 + 1 if centre == 0 else count
         for count, centre in zip(grid.shape, grid.centre, strict=True)
     )
-    half = (size + 1) // 2
-    if _rows_seconds(size, 4 * half * columns * (rows + half), grid) <= rivals[rival]:
-        return "rows", None
-    if _rows_seconds(size, 0, grid) > rivals[rival]:
-        return rival, None
-    # Between the two bounds the mask decides; what was found out about it is used.
-    factors = factor(aperture.mask)
-    if _rows_seconds(size, multiplications(factors, rows, columns), grid) <= rivals[rival]:
-        return "rows", factors
-    return rival, None
+    return rows, columns
 
 
 def _for_wavefront(aperture: Aperture, grid: Grid, name: str) -> str:
