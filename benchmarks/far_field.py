@@ -6,7 +6,7 @@ Four shapes, anti-aliased, across half of the mask and across all of it; as many
 at the FFT's own spacing ("1x") and at a quarter of it ("4x"). "power" is |F|² from the distinct rows without
 the field (`rows_power`); the methods give the complex field. At 4x SciPy would have to transform the
 mask in a frame of zeros, four times as wide ("padded": real transforms of the mask's own rows, then of
-the wanted columns). Either way it gives the power of the full plane, float32, workers=2.
+the wanted columns). Either way it gives the power of the full plane, float32, with a thread a processor.
 
 The runs alternate; ratios are those of the medians. The error is that of `auto` against method
 "reference" over some samples, of the peak.
@@ -24,40 +24,10 @@ import numpy as np
 import scipy.fft
 
 from aureole import Aperture, Grid, aperture, diffraction
+from aureole.bench import peer_scipy, shapes
 from aureole.diffraction.rows import rows_power
 
-WORKERS = 2
 METHODS = ("rows", "quads", "chirpz", "fft", "auto")
-SHAPES: dict[str, Callable[[float], Aperture]] = {
-    "box": lambda diameter: aperture.rectangle(diameter, diameter),
-    "circle": aperture.circle,
-    "heptagon": lambda diameter: aperture.iris(7, diameter),
-    "whirl": aperture.whirl,
-}
-
-
-def raster(name: str, fill: float, size: int) -> Aperture:
-    """Draw a shape across a part of a mask of width 1."""
-    shape = SHAPES[name](fill)
-    return Aperture(1.0, mask=aperture.rasterize(Aperture(1.0, shape.outlines), size))
-
-
-def with_scipy(mask: np.ndarray, finer: int) -> np.ndarray:
-    """Return the DFT's power on the full plane, zero frequency first, as one would with SciPy alone."""
-    size = len(mask)
-    half = size // 2 + 1
-    across = scipy.fft.rfft(mask, n=finer * size, axis=1, workers=WORKERS)[:, :half]
-    whole = scipy.fft.fft(across, n=finer * size, axis=0, workers=WORKERS)
-    middle = size // 2
-    if finer > 1:
-        whole = np.concatenate([whole[: middle + 1], whole[-middle:]])
-    power = whole.real**2 + whole.imag**2
-    out = np.empty((size, size), dtype=np.float32)
-    right, left = power[:, :middle], power[:, middle:0:-1]
-    out[:middle, :middle], out[middle:, :middle] = right[:middle], right[len(power) - middle :]
-    out[0, middle:], out[middle:, middle:] = left[0], left[middle:0:-1]
-    out[1:middle, middle:] = left[: len(power) - middle : -1]
-    return out
 
 
 def error(shape: Aperture, spacing: float) -> float:
@@ -82,7 +52,9 @@ def medians(shape: Aperture, size: int, finer: int, runs: int) -> dict[str, floa
     """Time all methods in turn."""
     grid = Grid((size, size), (1 / finer, 1 / finer))
     mask = np.asarray(shape.mask)
-    tasks: dict[str, Callable[[], object]] = {"scipy": lambda: with_scipy(mask, finer)}
+    tasks: dict[str, Callable[[], object]] = {
+        "scipy": lambda: peer_scipy.padded_power(mask, finer) if finer > 1 else peer_scipy.real_power(mask)
+    }
     tasks["power"] = lambda: rows_power(shape, grid)
     for method in METHODS:
         tasks[method] = lambda method=method: diffraction.far_field(shape, grid, method)
@@ -114,8 +86,8 @@ def main() -> None:
     )
     for finer in (1, 4):
         for fill in (0.5, 1.0):
-            for name in SHAPES:
-                shape = raster(name, fill, given.size)
+            for name in shapes.OUTLINES:
+                shape = shapes.raster(name, given.size, fill)
                 found = medians(shape, given.size, finer, given.runs)
                 best = min(found[method] for method in METHODS[:-1])
                 print(

@@ -12,6 +12,7 @@ presets       named irises, cameras and jobs, as data
 diffraction   how a blocked wave spreads
 glare         point spread functions and compositing
 jobs          what the command line and other faces call
+bench         the papers' tables and the peers, measured on this machine
 cli           the command `aureole`
 """
 

@@ -79,6 +79,33 @@ def test_table_1_order_of_shapes(size):
     assert count("box", size) < count("circle", size) < count("heptagon", size) < count("whirl", size)
 
 
+@cache
+def full(name, size):
+    """Return the number of quads on a binary mask of the whole size, and whether they paint it again."""
+    mask = aperture.rasterize(Aperture(1.0, SHAPES[name].outlines), size) >= 0.5
+    quads = quadtree(mask, 1.0)
+    return len(quads), np.array_equal(paint(quads, size, 1.0), mask)
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("size", SIZES)
+def test_table_1_up_to_4096_repaints_exactly(name, size):
+    assert full(name, size)[1]
+
+
+@pytest.mark.parametrize("name", CURVED)
+def test_table_1_growth_up_to_4096(name):
+    """Every doubling of the size, from 256² on, doubles the count about."""
+    counts = [full(name, size)[0] for size in SIZES]
+    ratios = np.divide(counts[1:], counts[:-1])
+    assert np.all((ratios > 1.8) & (ratios < 2.3)), counts
+
+
+def test_table_1_the_box_stays_up_to_4096():
+    """Its edges lie on pixels at every size."""
+    assert len({full("box", size)[0] for size in SIZES}) == 1
+
+
 def test_section_6_quarter_size_takes_about_half_the_quads_of_half_size():
     """The paper's two levels, "half" and the more aggressive "quarter", on an anti-aliased mask."""
     mask = aperture.rasterize(Aperture(1.0, SHAPES["heptagon"].outlines), 1024)

@@ -3,6 +3,7 @@
 main      the entry point: refusals on one line, exit codes
 app       the Typer application with its commands
 runs      running a job and writing its files
+bench     the commands `aureole bench`
 options   flags that several commands share
 output    progress, reports, and files that appear whole
 views     previews, and mattes read from files

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from aureole import jobs, light, presets, refuse
-from aureole.cli import options, output, runs
+from aureole.cli import bench, options, output, runs
 from aureole.cli.options import FILES, ShapeFlags
 
 app = typer.Typer(
@@ -17,6 +17,7 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
 )
+app.add_typer(bench.app, name="bench")
 
 
 @app.callback(invoke_without_command=True)

@@ -1,0 +1,37 @@
+"""The papers' tables and the peers, measured on this machine: what `aureole bench` prints.
+
+In: a frozen record a bench. Out: `Stage`s, the last of which holds a `Report`: tables of plain rows with
+what the source prints beside what is measured here, medians of runs taken in turn.
+
+quad_paper        the quad paper's bench, and which of these belongs to it:
+quad_counts         Table 1, the number of quads
+symmetry            Table 2, symmetry and culling
+spectral            Table 3, the spectral sum
+quality             Figures 8 and 9, quadtree levels against brute force
+progressive         Figure 10, a shadow that moves
+stages              Figure 11, where the time of a frame goes
+peers             the bench of other libraries on the same work:
+zooms               far fields of masks, finer than the transform's own spacing
+starbursts          a whole starburst in colour
+peer_ways           which peers are installed, and their ways
+peer_*              one file a library
+optics            the far-field problem as a peer takes it
+shapes            the quad paper's four apertures
+timing            runs in turn, medians, the environment
+report            tables and reports
+"""
+
+from aureole.bench.peers import PeersBench, run_peers
+from aureole.bench.quad_paper import QuadPaperBench, run_quad_paper
+from aureole.bench.report import Column, Report, Table, plain
+
+__all__ = [
+    "Column",
+    "PeersBench",
+    "QuadPaperBench",
+    "Report",
+    "Table",
+    "plain",
+    "run_peers",
+    "run_quad_paper",
+]

@@ -1,0 +1,138 @@
+"""The commands `aureole bench`: measure, and print tables with what others print beside it."""
+
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table as Drawn
+
+from aureole import bench, picture, refuse
+from aureole.cli import options, output
+from aureole.records import Stage
+
+app = typer.Typer(
+    help="Measure Aureole on this machine beside what papers print and other libraries take.\n\n"
+    "Everything is timed in turn, in one run, and medians are quoted, so that ratios hold on a busy machine. "
+    "Nothing is random.\n\n"
+    "Examples:\n\n"
+    "    aureole bench quad-paper --only table-1,figure-10\n\n"
+    "    aureole bench peers -o peers.json\n",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+)
+WIDEST = 100
+
+Runs = Annotated[int, typer.Option(help="How often each is timed.")]
+Only = Annotated[str | None, typer.Option(help="What to keep, parted by commas.")]
+Results = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", help="Also write the result as JSON.", rich_help_panel=options.FILES),
+]
+
+
+@app.command(name="quad-paper")
+def quad_paper(
+    size: Annotated[int, typer.Option(help="Largest size, a power of two; figures stop at 1024.")] = 4096,
+    runs: Runs = 5,
+    frames: Annotated[int, typer.Option(help="Frames of the moving shadow.")] = 61,
+    only: Only = None,
+    out: Results = None,
+    as_json: options.Json = False,
+) -> None:
+    """Tables 1-3 and Figures 8-11 of the quad paper, beside what it prints.
+
+    L. Scandolo, S. Lee, E. Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis",
+    2019; its times are a GeForce GTX 1080 Ti's. Names for --only: table-1, table-2, table-3, figure-8,
+    figure-9, figure-10, figure-11.
+
+    Examples:
+
+        aureole bench quad-paper
+
+        aureole bench quad-paper --only table-1 --size 1024 --json
+    """
+    _run(bench.run_quad_paper(bench.QuadPaperBench(size, runs, frames, _names(only))), out, as_json)
+
+
+@app.command()
+def peers(
+    size: Annotated[int, typer.Option(help="Pixels on each side, even.")] = 1024,
+    runs: Runs = 5,
+    only: Only = None,
+    out: Results = None,
+    as_json: options.Json = False,
+) -> None:
+    """SciPy, prysm, HCIPy, diffractsim and dLux on the same far-field work, where they are installed.
+
+    They come with `pip install 'aureole[bench]'`. The whole takes some minutes: a loop over 60
+    wavelengths takes 10 to 40 seconds and runs once. Names for --only: zoom, starburst, scipy, prysm,
+    hcipy, diffractsim, dlux.
+
+    Examples:
+
+        aureole bench peers
+
+        aureole bench peers --only zoom,prysm --runs 9 -o peers.json
+    """
+    _run(bench.run_peers(bench.PeersBench(size, runs, _names(only))), out, as_json)
+
+
+def _names(only: str | None) -> tuple[str, ...]:
+    return () if only is None else tuple(name.strip().lower() for name in only.split(","))
+
+
+def _run(stages: Iterator[Stage], out: Path | None, as_json: bool) -> None:
+    """Follow a bench, write its result and print it."""
+    start = time.perf_counter()
+    if out is not None:
+        if out.suffix.lower() != ".json":
+            raise refuse.Refusal(f"'output' must end in .json, got '{out}'.")
+        picture.writable(out)
+    report = output.follow(stages)
+    values = bench.plain(report)
+    if out is not None:
+        with picture.whole_file(out) as place:
+            place.write_text(json.dumps(values, indent=1, ensure_ascii=False), encoding="utf-8")
+    if as_json:
+        output.as_json(values)
+        return
+    _print(report, time.perf_counter() - start)
+    if out is not None:
+        print(f"wrote {out}")
+
+
+def _print(report: bench.Report, seconds: float) -> None:
+    # Where stdout is no terminal, tables are as wide as they are on one.
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=WIDEST)
+    console.print(_environment(report), style="dim", highlight=False)
+    for table in report.tables:
+        drawn = Drawn(box=None, padding=(0, 2, 0, 0))
+        for column in table.columns:
+            drawn.add_column(column.head, justify="left" if column.words else "right", no_wrap=True)
+        for row in table.rows:
+            drawn.add_row(*(column.cell(row) for column in table.columns))
+        console.print(f"\n{table.title}", style="bold", highlight=False)
+        console.print(drawn)
+        for note in table.notes:
+            console.print(note, style="dim", highlight=False, markup=False)
+    console.print(f"\n{seconds:.0f} s", highlight=False)
+
+
+def _environment(report: bench.Report) -> str:
+    where, settings = report.environment, report.settings
+    versions = ", ".join(f"{name} {number}" for name, number in where["versions"].items())
+    asked = ", ".join(
+        f"{name} {' '.join(value) if isinstance(value, list) else value}"
+        for name, value in settings.items()
+        if value not in (None, [])
+    )
+    return (
+        f"{where['platform']}, {where['processor']}, {where['processors']} processors, Python "
+        f"{where['python']}\n{versions}\n{asked}; nothing is random"
+    )
