@@ -22,14 +22,15 @@ COLUMNS = (
     Column("method", "{method}", words=True),
     Column("here", "{median_ms:.1f} ms"),
     Column("gain", "{gain:.1f}x"),
-    Column("GTX 1080 Ti, printed", "{printed_ms:.3f} ms"),
-    Column("printed gain", "{printed_gain:.1f}x"),
+    Column("GTX 1080 Ti", "{printed_ms:.3f} ms"),
+    Column("its gain", "{printed_gain:.1f}x"),
     Column("PSNR to full", "{psnr:.0f} dB"),
     Column("log-PSNR", "{log_psnr:.1f} dB"),
 )
 NOTES = (
     "The heptagon's pattern at 529 nm summed over 60 wavelengths to XYZ, light E; 'batch' takes 4 + 15.",
-    "PSNR and log-PSNR of Y against 'full', the latter over ten decades.",
+    "GTX 1080 Ti: as the paper prints, with its own gain. PSNR and log-PSNR of Y against 'full', the latter "
+    "over ten decades.",
 )
 
 
