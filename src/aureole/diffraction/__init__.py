@@ -12,11 +12,13 @@ chirpz      chirp-z transform and FFT of a mask, times the pixel's sinc
 polygons    the far field of exact outlines, straight edges, arcs and circles
 progressive the far field of an aperture that changes, from the change alone
 autocorrelation  an opening laid over itself, shifted: pixel integrals at one wavelength
+measures    transfer functions, Strehl ratio, encircled energy and cut-off of a pupil
 coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals
 """
 
 from aureole.diffraction.far import METHODS, check_grid, far_field, far_power
+from aureole.diffraction.measures import cutoff_frequency, encircled_energy, mtf, optical_transfer, strehl
 from aureole.diffraction.progressive import ProgressiveFarField
 from aureole.diffraction.quadtree import FINEST, Quads, level_mask, paint, quadtree
 from aureole.diffraction.starburst import starburst, starburst_stages
@@ -27,11 +29,16 @@ __all__ = [
     "ProgressiveFarField",
     "Quads",
     "check_grid",
+    "cutoff_frequency",
+    "encircled_energy",
     "far_field",
     "far_power",
     "level_mask",
+    "mtf",
+    "optical_transfer",
     "paint",
     "quadtree",
     "starburst",
     "starburst_stages",
+    "strehl",
 ]

@@ -1,7 +1,9 @@
 """Kernels from point spread functions: borders that fade, no negative light, other programs' habits."""
 
+from typing import Any
+
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from aureole import light, picture, refuse
 from aureole.records import Picture
@@ -109,33 +111,38 @@ def kernel_for(psf: Picture, host: str) -> Picture:
     return Picture(np.ascontiguousarray(pixels), kernel.colour_space, kernel.metadata)
 
 
-def encircled_energy(psf: Picture, radius: float, pixel_pitch: tuple[float, float]) -> float:
-    """Return the energy within a circle about the core, mean over channels.
+def encircled_energy(psf: Picture, radius: ArrayLike, pixel_pitch: tuple[float, float]) -> Any:
+    """Return the energy within circles about the core, mean over channels.
 
     Parameters
     ----------
     psf : Picture
         Energy per pixel; a pixel on the circle counts by the part of it within.
-    radius : float
-        Metres on the sensor.
+    radius : array_like
+        Metres on the sensor; one radius or many.
     pixel_pitch : tuple of float
         Pixel size (y, x) in metres.
 
     Returns
     -------
-    float
-        Fraction of the whole energy.
+    float, or ndarray of the radii's shape
+        Fractions of the whole energy.
     """
+    radii = np.asarray(radius, dtype=np.float64)
+    order = np.sort(radii.ravel())
     rows, columns = psf.pixels.shape[:2]
     offsets = (np.arange(8) + 0.5) / 8 - 0.5
     y = ((np.arange(rows) - rows // 2)[:, None] + offsets).ravel() * pixel_pitch[0]
     x = ((np.arange(columns) - columns // 2)[:, None] + offsets).ravel() * pixel_pitch[1]
-    inside = np.zeros((rows, columns))
+    energy = psf.pixels[..., :3].mean(axis=2, dtype=np.float64) / 64
+    beyond = np.zeros(len(order) + 1)
     for row in range(rows):
-        # Each pixel is sampled at 8 × 8 places.
-        part = np.hypot(y[8 * row : 8 * row + 8, None], x) <= radius
-        inside[row] = part.reshape(8, columns, 8).mean(axis=(0, 2))
-    return float((psf.pixels[..., :3].mean(axis=2, dtype=np.float64) * inside).sum())
+        # Each pixel is sampled at 8 × 8 places, and each place lies within the circles from one on.
+        first = np.searchsorted(order, np.hypot(y[8 * row : 8 * row + 8, None], x))
+        shares = np.broadcast_to(np.repeat(energy[row], 8), first.shape)
+        beyond += np.bincount(first.ravel(), shares.ravel(), len(beyond))
+    within = np.cumsum(beyond)[np.searchsorted(order, radii)]
+    return float(within) if radii.ndim == 0 else within
 
 
 def _square(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
