@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, parallel=True)
 def merge_level(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Merge squares of 2 × 2 values into one level up, listing what the upper value leaves over.
 
@@ -23,18 +23,23 @@ def merge_level(values: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArr
     """
     size = len(values) // 2
     upper = np.empty((size, size))
-    total = 0
-    for row in range(size):
+    starts = np.zeros(size + 1, dtype=np.int64)
+    for row in numba.prange(size):
+        total = 0
         for column in range(size):
             block = _block(values, row, column)
             upper[row, column] = _value_above(block)
             total += _count(block, upper[row, column])
-    listed = np.empty((total, 5))
-    index = 0
-    for row in range(size):
-        for column in range(size):
+        starts[row + 1] = total
+    starts = np.cumsum(starts)
+    listed = np.empty((starts[-1], 5))
+    for row in numba.prange(size):
+        index = starts[row]
+        column = 0
+        while index < starts[row + 1]:
             block = _block(values, row, column)
             index = _list(block, upper[row, column], 2 * column, 2 * row, listed, index)
+            column += 1
     return upper, listed
 
 

@@ -16,7 +16,7 @@ from aureole import refuse
 from aureole.diffraction import culling
 from aureole.diffraction.chirpz import chirpz_field, fft_field, fft_lengths
 from aureole.diffraction.polygons import polygons_field, polygons_power
-from aureole.diffraction.quads import quads_field
+from aureole.diffraction.quads import quads_field, quads_power
 from aureole.diffraction.quadtree import quadtree
 from aureole.diffraction.reference import reference_field
 from aureole.diffraction.rows import Factor, factor, multiplications, rows_field, rows_power
@@ -63,7 +63,13 @@ def _squared(field: Method) -> Method:
     return power
 
 
+def _power_by_quads(aperture: Aperture, grid: Grid) -> NDArray[np.float32]:
+    assert aperture.mask is not None
+    return quads_power(quadtree(aperture.mask, aperture.width), grid)
+
+
 POWERS: dict[str, Method] = {name: _squared(METHODS[name]) for name in METHODS} | {
+    "quads": _power_by_quads,
     "polygons": polygons_power,
     "rows": rows_power,
 }

@@ -67,8 +67,10 @@ def quadtree(mask: ArrayLike, width: float, finest: str = "full") -> Quads:
     pixel = refuse.positive("width", width) / size
     # Dark pixels fill the square up to a power of two, below and to the right.
     side = 1 << (size - 1).bit_length()
-    values = np.zeros((side, side))
-    values[:size, :size] = level
+    values = level
+    if side > size:
+        values = np.zeros((side, side))
+        values[:size, :size] = level
     listed = []
     step = 1
     while len(values) > 1:
@@ -108,6 +110,8 @@ def level_mask(mask: ArrayLike, finest: str = "full") -> NDArray[np.float64]:
     if rows != columns or rows % step:
         wanted = "square" if step == 1 else f"square, its side a multiple of {step} for '{finest}'"
         raise refuse.Refusal(f"'mask' must be {wanted}, got {rows} x {columns} pixels.")
+    if step == 1:
+        return values
     blocks = values.reshape(rows // step, step, columns // step, step)
     return np.asarray(blocks.mean(axis=(1, 3)))
 
