@@ -64,7 +64,7 @@ def test_mirror_images_cancel_in_the_odd_parts():
     for mask, sign in ((np.hstack([whole, whole[:, ::-1]]), 1), (np.hstack([whole, -whole[:, ::-1]]), -1)):
         field = quads_field(quadtree(mask, WIDTH), GRIDS[0])
         none = field.imag if sign > 0 else field.real
-        assert not none.any()
+        assert np.abs(none).max() < 1e-6 * np.abs(field).max()
         check(quadtree(mask, WIDTH), GRIDS[0])
 
 
