@@ -139,6 +139,19 @@ def test_the_full_level_is_the_brute_force_transform(quad_paper):
             assert full[key] >= half[key] >= quarter[key]
 
 
+def test_what_is_infinite_is_null_in_json():
+    rows = ({"psnr": float("inf"), "quads": 3},)
+    column = bench.Column("PSNR", "{psnr:.1f} dB")
+    report = bench.Report("b", {}, {}, (bench.Table("t", "T", (column,), rows),))
+    assert bench.plain(report)["tables"][0]["rows"] == [{"psnr": None, "quads": 3}]
+    assert [column.cell(row) for row in (*rows, {"psnr": None}, {"psnr": 4.25}, {})] == [
+        "inf dB",
+        "",
+        "4.2 dB",
+        "",
+    ]
+
+
 def test_quality_of_a_known_difference():
     """Everything twice as bright: 20 log10(1 / rms) by hand, and log10(2) of ten decades."""
     truth = np.full((16, 16), 0.25)

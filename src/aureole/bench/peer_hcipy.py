@@ -10,8 +10,8 @@ from aureole.bench.optics import Intensity, Optics
 
 NAME, MODULE, PACKAGE = "HCIPy", "hcipy", "hcipy"
 LOOP = "HCIPy, Fraunhofer"
-# The propagator keeps a plan for each wavelength.
-LOOP_KEEPS = True
+# The propagator keeps the plans of eleven wavelengths only, so a second loop makes them all again.
+LOOP_KEEPS = False
 
 
 def ways(optics: Optics) -> dict[str, Intensity]:

@@ -1,5 +1,6 @@
 """What a bench finds: tables of plain rows, with the words to print them."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -100,10 +101,15 @@ def plain(report: Report) -> dict[str, Any]:
     Returns
     -------
     dict
-        bench, environment, settings and tables.
+        bench, environment, settings and tables; None for what is infinite, which JSON cannot say.
     """
     tables = [
-        {"name": each.name, "title": each.title, "notes": list(each.notes), "rows": list(each.rows)}
+        {
+            "name": each.name,
+            "title": each.title,
+            "notes": list(each.notes),
+            "rows": [_finite(row) for row in each.rows],
+        }
         for each in report.tables
     ]
     return {
@@ -111,4 +117,11 @@ def plain(report: Report) -> dict[str, Any]:
         "environment": report.environment,
         "settings": report.settings,
         "tables": tables,
+    }
+
+
+def _finite(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in row.items()
     }
