@@ -84,7 +84,9 @@ def test_times_are_positive_and_gains_are_their_ratios(quad_paper):
     for name in ("table-2", "table-3", "figure-11"):
         assert all(row["median_ms"] > 0 for row in tables[name])
     assert sum(row["share"] for row in tables["figure-11"]) == pytest.approx(1)
+    assert len(tables["figure-10"]) == len(shapes.OUTLINES) * len(progressive.RADII)
     for row in tables["figure-10"]:
+        assert ("printed_part" in row) == (row["aperture"] != "box")
         assert row["gain"] == pytest.approx(row["fresh_ms"] / row["update_ms"])
         assert row["part"] == pytest.approx(row["update_quads"] / row["fresh_quads"])
         assert row["error"] < 1e-4

@@ -43,7 +43,7 @@ class QuadPaperBench:
 
     size: int = 4096
     runs: int = 5
-    frames: int = 61
+    frames: int = 41
     only: tuple[str, ...] = ()
 
 

@@ -38,7 +38,7 @@ Results = Annotated[
 def quad_paper(
     size: Annotated[int, typer.Option(help="Largest size, a power of two; figures stop at 1024.")] = 4096,
     runs: Runs = 5,
-    frames: Annotated[int, typer.Option(help="Frames of the moving shadow.")] = 61,
+    frames: Annotated[int, typer.Option(help="Frames of the moving shadow.")] = 41,
     only: Only = None,
     out: Results = None,
     as_json: options.Json = False,
