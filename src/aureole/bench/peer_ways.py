@@ -3,6 +3,8 @@
 import contextlib
 import importlib.util
 import sys
+import warnings
+from collections.abc import Iterator
 from types import ModuleType
 
 import numpy as np
@@ -60,7 +62,7 @@ def ways_of(
             continue
         # A peer that fails is no fault of the others.
         try:
-            with contextlib.redirect_stdout(sys.stderr):
+            with _unheard():
                 own = [(way, _quiet(at), peer) for way, at in peer.ways(optics).items()]
                 for _, at, _ in own:
                     at(WAVELENGTH)
@@ -72,10 +74,16 @@ def ways_of(
 
 
 def _quiet(at: Intensity) -> Intensity:
-    """Send what a peer prints to stderr, since stdout is the result's."""
-
     def quiet(wavelength: float) -> NDArray[np.floating]:
-        with contextlib.redirect_stdout(sys.stderr):
+        with _unheard():
             return at(wavelength)
 
     return quiet
+
+
+@contextlib.contextmanager
+def _unheard() -> Iterator[None]:
+    """Send what a peer prints to stderr, since stdout is the result's, and leave out its warnings."""
+    with contextlib.redirect_stdout(sys.stderr), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield

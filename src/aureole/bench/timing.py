@@ -20,12 +20,16 @@ from aureole.records import Stage
 Task = Callable[[], object]
 Part = Callable[[], Iterator[Stage]]
 
-# A task is timed no more often than fits into so many seconds, but once at least.
+# Seconds for all runs of one task.
 PATIENCE = 10.0
 
 
 def alternate(
-    tasks: Mapping[str, Task], runs: int, once: Collection[str] = (), label: str = ""
+    tasks: Mapping[str, Task],
+    runs: int,
+    once: Collection[str] = (),
+    label: str = "",
+    patience: float = PATIENCE,
 ) -> Generator[Stage, None, dict[str, float]]:
     """Time tasks in turn, telling how far it is; the first call of each is not counted.
 
@@ -34,11 +38,13 @@ def alternate(
     tasks : mapping
         Name to a call without arguments.
     runs : int
-        How often each is timed, fewer times where it takes long.
+        How often each is timed.
     once : collection of str
         Tasks that are warm already and take very long: timed at their first and only call.
     label : str
         What is being timed, for a person.
+    patience : float
+        A task is timed no more often than fits into so many seconds, but once at least.
 
     Yields
     ------
@@ -62,7 +68,7 @@ def alternate(
             if name in once:
                 wanted[name] = 1
             elif not run:
-                wanted[name] = max(1, min(runs, int(PATIENCE * 1e3 / max(spent, 1e-3))))
+                wanted[name] = max(1, min(runs, int(patience * 1e3 / max(spent, 1e-3))))
                 continue
             taken[name].append(spent)
     return {name: statistics.median(each) for name, each in taken.items()}
