@@ -27,7 +27,9 @@ def test_the_first_update_is_a_fresh_transform():
     truth = far_field(first, GRID, "quads").amplitude
     assert found.dtype == np.complex64
     assert np.abs(found - truth).max() < 1e-6 * np.abs(truth).max()
-    assert progressive.evaluated == (len(quadtree(first.mask, WIDTH)), 0)
+    positive, negative = progressive.evaluated
+    assert 0 < positive <= len(quadtree(first.mask, WIDTH))
+    assert negative == 0
     assert not progressive.refreshed
 
 
@@ -55,6 +57,23 @@ def test_counts_positive_and_negative_quads_apart():
     progressive.update(Aperture(WIDTH, mask=moved))
     # One square comes. What goes is a square, of which a pixel stays.
     assert progressive.evaluated == (1, 2)
+
+
+def test_neighbours_are_merged_across_the_trees_levels():
+    mask = np.zeros((16, 16), dtype=np.float32)
+    mask[5, 3:14] = mask[7:12, 2] = 1
+    progressive = ProgressiveFarField(GRID)
+    progressive.update(Aperture(WIDTH, mask=mask))
+    assert len(quadtree(mask, WIDTH)) > 2
+    assert progressive.evaluated == (2, 0)
+    bars, _ = progressive.quads()
+    edges = np.rint((bars.rectangles + WIDTH / 2) / WIDTH * 16).astype(int)
+    assert sorted(edges.tolist()) == [[2, 7, 3, 12], [3, 5, 14, 6]]
+    # Neighbours of unlike weights stay apart.
+    mask[5, 3:7] = 0.5
+    progressive = ProgressiveFarField(GRID)
+    progressive.update(Aperture(WIDTH, mask=mask))
+    assert progressive.evaluated[0] >= 3
 
 
 def test_power_is_the_squared_modulus():

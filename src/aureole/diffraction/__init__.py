@@ -9,6 +9,7 @@ quads       the far field of rectangles as a product of one-dimensional factors
 rows        the far field of a mask from its distinct rows
 culling     its power where it may exceed a level, zero elsewhere
 chirpz      chirp-z transform and FFT of a mask, times the pixel's sinc
+cosines     cosine and sine transforms of a folded mask, where a real FFT would do more than is needed
 polygons    the far field of exact outlines, straight edges, arcs and circles
 progressive the far field of an aperture that changes, from the change alone
 autocorrelation  an opening laid over itself, shifted: pixel integrals at one wavelength

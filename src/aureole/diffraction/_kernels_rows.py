@@ -13,7 +13,7 @@ BLOCK = 32
 
 
 @numba.njit(cache=True, parallel=True)
-def fold(mask: F32, quadrants: F32, sums: NDArray[np.float64]) -> None:
+def fold(mask: F32, quadrants: F32, sums: NDArray[np.float64], reach: NDArray[np.int64]) -> None:
     """Fold a mask about its centre into its even and odd parts along both axes.
 
     Parameters
@@ -24,37 +24,60 @@ def fold(mask: F32, quadrants: F32, sums: NDArray[np.float64]) -> None:
         Filled; h is (n + 1) // 2. Rows that are zero throughout are left as they were.
     sums : ndarray of float64, shape (4, h)
         Filled with the sum of the magnitudes of each row.
+    reach : ndarray of int64, shape (h,)
+        Filled with the first column of each row from which on all are zero, or more.
     """
-    size, first, last = len(mask), len(mask) // 2, len(mask) - 1
-    half = (size + 1) // 2
-    for k in numba.prange(half):
-        below, above = mask[first + k], mask[last - first - k]
-        even = quadrants[0, k]
-        odd_x, odd_y, odd = 0, 0, 0
-        for c in range(half):
-            a, b = below[first + c], below[last - first - c]
-            d, e = above[first + c], above[last - first - c]
-            even[c] = (a + b) + (d + e)
-            odd_x |= int(a - b != e - d)
-            odd_y |= int(a + b != d + e)
-            odd |= int(a - b != d - e)
-        sums[0, k] = _magnitude(even)
-        sums[1, k] = _fold_row(below, above, 1, quadrants[1, k]) if odd_x else 0
-        sums[2, k] = _fold_row(below, above, 2, quadrants[2, k]) if odd_y else 0
-        sums[3, k] = _fold_row(below, above, 3, quadrants[3, k]) if odd else 0
+    size, first = len(mask), len(mask) // 2
+    for k in numba.prange((size + 1) // 2):
+        below, above = mask[first + k], mask[size - 1 - first - k]
+        sums[:, k] = _fold_even(below, above, quadrants[0, k])
+        for part in range(1, 4):
+            if sums[part, k] > 0:
+                _fold_odd(below, above, part, quadrants[part, k])
+        reach[k] = _reach(quadrants[:, k], sums[:, k])
+
+
+@numba.njit(cache=True, fastmath={"reassoc", "nsz"})
+def _fold_even(below: F32, above: F32, even: F32) -> tuple[np.float32, ...]:
+    """Write one row of the even part and return the sums of the magnitudes of all four."""
+    first, last = len(below) // 2, len(below) - 1 - len(below) // 2
+    both, odd_x, odd_y, odd = np.float32(0), np.float32(0), np.float32(0), np.float32(0)
+    for c in range(len(even)):
+        # An unsigned index needs no check for counting from the end, which would keep vectors out.
+        right, left = np.uint64(first + c), np.uint64(last - c)
+        sum_below, sum_above = below[right] + below[left], above[right] + above[left]
+        step_below, step_above = below[right] - below[left], above[right] - above[left]
+        value = sum_below + sum_above
+        even[c] = value
+        both += abs(value)
+        odd_x += abs(step_below + step_above)
+        odd_y += abs(sum_below - sum_above)
+        odd += abs(step_below - step_above)
+    return both, odd_x, odd_y, odd
 
 
 @numba.njit(cache=True)
-def _fold_row(below: F32, above: F32, part: int, out: F32) -> float:
-    """Write one row of an odd part and return the sum of its magnitudes."""
-    first, last = len(below) // 2, len(below) - 1
+def _fold_odd(below: F32, above: F32, part: int, out: F32) -> None:
+    """Write one row of an odd part."""
+    first, last = len(below) // 2, len(below) - 1 - len(below) // 2
     sign_x = np.float32(1 - 2 * (part & 1))
     sign_y = np.float32(1 - (part & 2))
     for c in range(len(out)):
-        one = below[first + c] + sign_x * below[last - first - c]
-        two = above[first + c] + sign_x * above[last - first - c]
-        out[c] = one + sign_y * two
-    return _magnitude(out)
+        right, left = np.uint64(first + c), np.uint64(last - c)
+        out[c] = (below[right] + sign_x * below[left]) + sign_y * (above[right] + sign_x * above[left])
+
+
+@numba.njit(cache=True)
+def _reach(rows: F32, sums: NDArray[np.float64]) -> int:
+    """Return from which column on, to a block, the parts of a row are dark."""
+    lit = 0
+    for part in range(4):
+        if sums[part] > 0:
+            high = rows.shape[1]
+            while high > lit and _magnitude(rows[part, max(high - BLOCK, 0) : high]) == 0:
+                high -= BLOCK
+            lit = max(lit, high)
+    return lit
 
 
 @numba.njit(cache=True, fastmath={"reassoc"})
@@ -203,8 +226,22 @@ def shared_spectra(places: NDArray[np.int64], starts: NDArray[np.int64], table: 
 
 
 @numba.njit(cache=True)
-def _parts(products: F32, present: NDArray[np.bool_], row: int, scale: np.float32, parts: F32) -> None:
-    """Fill F(u, v) and F(−u, v) of one row of frequencies: real, imaginary, real, imaginary part."""
+def parts_of(products: F32, present: NDArray[np.bool_], row: int, scale: np.float32, parts: F32) -> None:
+    """Fill F(u, v) and F(−u, v) of one row of frequencies: real, imaginary, real, imaginary part.
+
+    Parameters
+    ----------
+    products : ndarray of float32, shape (4, P, Q)
+        Transforms of the quadrants.
+    present : ndarray of bool, shape (4,)
+        Which of them hold anything.
+    row : int
+        Which of the P.
+    scale : float32
+        Factor.
+    parts : ndarray of float32, shape (4, Q)
+        Filled.
+    """
     parts[:] = 0
     if present[0]:
         _add(parts[0], scale, products[0, row])
@@ -229,7 +266,35 @@ def _write(out: NDArray[np.complex64], parts: F32, right: int, sign: np.float32,
         target[j] = complex(real[j], sign * imaginary[j])
     real, imaginary = parts[2 - right], parts[3 - right]
     for j in range(middle):
-        out[j] = complex(real[middle - j], sign * imaginary[middle - j])
+        # An unsigned index needs no check for counting from the end, which would keep vectors out.
+        at = np.uint64(middle - j)
+        out[j] = complex(real[at], sign * imaginary[at])
+
+
+@numba.njit(cache=True)
+def write_both(
+    parts: F32, f: int | np.int64, row_zero: int, column_zero: int, out: NDArray[np.complex64]
+) -> None:
+    """Write the row of a frequency and the one that mirrors it.
+
+    Parameters
+    ----------
+    parts : ndarray of float32, shape (4, Q)
+        F(u, v) and F(−u, v), as `parts_of` fills them.
+    f : int
+        Which of the frequencies of the rows, from zero upwards, or from the first where the plane is
+        not mirrored.
+    row_zero, column_zero : int
+        As `middle` of `unfold`.
+    out : ndarray of complex64, shape (rows, columns)
+        The plane.
+    """
+    row = max(row_zero, 0) + f
+    if row < len(out):
+        _write(out[row], parts, 0, np.float32(1), column_zero)
+    # F(u, −v) is the conjugate of F(−u, v).
+    if 0 < f <= row_zero:
+        _write(out[row_zero - f], parts, 2, np.float32(-1), column_zero)
 
 
 @numba.njit(cache=True, parallel=True)
@@ -259,13 +324,8 @@ def unfold(
     row_zero, column_zero = middle
     for i in numba.prange(products.shape[1]):
         parts = np.empty((4, products.shape[2]), dtype=np.float32)
-        _parts(products, present, i, scale, parts)
-        row = max(row_zero, 0) + i
-        if row < len(out):
-            _write(out[row], parts, 0, np.float32(1), column_zero)
-        # F(u, −v) is the conjugate of F(−u, v).
-        if 0 < i <= row_zero:
-            _write(out[row_zero - i], parts, 2, np.float32(-1), column_zero)
+        parts_of(products, present, i, scale, parts)
+        write_both(parts, i, row_zero, column_zero, out)
 
 
 @numba.njit(cache=True)
@@ -275,14 +335,33 @@ def _square(real: F32, imaginary: F32, out: F32) -> None:
 
 
 @numba.njit(cache=True)
-def _write_power(out: F32, power: F32, right: int, middle: int) -> None:
+def _write_power(out: F32, right: F32, left: F32, middle: int) -> None:
     """Write a row of the plane's power, as `_write`."""
-    target, source = out[max(middle, 0) :], power[right]
+    target = out[max(middle, 0) :]
     for j in range(len(target)):
-        target[j] = source[j]
-    source = power[1 - right]
+        target[j] = right[j]
     for j in range(middle):
-        out[j] = source[middle - j]
+        out[j] = left[np.uint64(middle - j)]
+
+
+@numba.njit(cache=True)
+def write_powers(right: F32, left: F32, f: int | np.int64, row_zero: int, column_zero: int, out: F32) -> None:
+    """Write the power along the row of a frequency and along the one that mirrors it.
+
+    Parameters
+    ----------
+    right, left : ndarray of float32, shape (Q,)
+        The power at (u, v) and at (−u, v).
+    f, row_zero, column_zero : int
+        As of `write_both`.
+    out : ndarray of float32, shape (rows, columns)
+        The plane.
+    """
+    row = max(row_zero, 0) + f
+    if row < len(out):
+        _write_power(out[row], right, left, column_zero)
+    if 0 < f <= row_zero:
+        _write_power(out[row_zero - f], left, right, column_zero)
 
 
 @numba.njit(cache=True, parallel=True)
@@ -307,15 +386,11 @@ def unfold_power(
     row_zero, column_zero = middle
     for i in numba.prange(products.shape[1]):
         parts = np.empty((4, products.shape[2]), dtype=np.float32)
-        _parts(products, present, i, scale, parts)
+        parts_of(products, present, i, scale, parts)
         power = np.empty((2, products.shape[2]), dtype=np.float32)
         for side in range(2):
             _square(parts[2 * side], parts[2 * side + 1], power[side])
-        row = max(row_zero, 0) + i
-        if row < len(out):
-            _write_power(out[row], power, 0, column_zero)
-        if 0 < i <= row_zero:
-            _write_power(out[row_zero - i], power, 1, column_zero)
+        write_powers(power[0], power[1], i, row_zero, column_zero, out)
 
 
 @numba.njit(cache=True, parallel=True)

@@ -6,6 +6,7 @@ chirp-z transform (L. Bluestein, 1970), or by a plain FFT where the frequencies 
 may have a phase of their own, from a wavefront.
 """
 
+import os
 from functools import lru_cache
 from typing import Any
 
@@ -15,6 +16,7 @@ from scipy import fft
 
 from aureole import aperture as apertures
 from aureole import refuse
+from aureole.diffraction.cosines import cosines_field, cosines_power, cosines_serve
 from aureole.records import Aperture, Grid
 
 # How far a frequency may lie from the FFT's own, in steps.
@@ -39,14 +41,49 @@ def chirpz_field(aperture: Aperture, grid: Grid, wavelength: float | None = None
     ndarray of complex64, shape (rows, columns)
         Square metres.
     """
+    turned, pixel = _chirped(aperture, grid, wavelength)
+    v, u = grid.axes()
+    out = np.ascontiguousarray(turned.T)
+    out *= (pixel * np.sinc(v * pixel)).astype(np.float32)[:, None]
+    out *= (pixel * np.sinc(u * pixel)).astype(np.float32)
+    return out
+
+
+def chirpz_power(aperture: Aperture, grid: Grid, wavelength: float | None = None) -> NDArray[np.float32]:
+    """Return the power |F|² of a raster's far field by a chirp-z transform along each axis.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    grid : Grid
+        Frequencies in cycles per metre, any spacing, any centre.
+    wavelength : float, optional
+        As for `chirpz_field`.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Square metres, squared.
+    """
+    from aureole.diffraction import _kernels_fft  # compiled code: loaded when first used
+
+    field, pixel = _chirped(aperture, grid, wavelength)
+    y, x = (((pixel * np.sinc(axis * pixel)) ** 2).astype(np.float32) for axis in grid.axes())
+    turned = np.empty(grid.shape[::-1], dtype=np.float32)
+    _kernels_fft.square(field, x, y, turned)
+    return np.ascontiguousarray(turned.T)
+
+
+def _chirped(aperture: Aperture, grid: Grid, wavelength: float | None) -> tuple[NDArray[np.complex64], float]:
+    """Return the discrete transform of a mask at any frequencies, columns first, and a pixel's size."""
     mask, pixel = _mask_of(aperture, wavelength)
     v, u = grid.axes()
     lit = np.flatnonzero(mask.any(axis=1))
     # Only rows with light in them are transformed along x.
     across = np.zeros((len(mask), grid.shape[1]), dtype=np.complex64)
     across[lit] = chirp(mask[lit], pixel, u[0], grid.spacing[1], len(u))
-    whole = chirp(np.ascontiguousarray(across.T), pixel, v[0], grid.spacing[0], len(v)).T
-    return _with_pixel(whole, u, v, pixel)
+    return chirp(np.ascontiguousarray(across.T), pixel, v[0], grid.spacing[0], len(v)), pixel
 
 
 def fft_field(aperture: Aperture, grid: Grid, wavelength: float | None = None) -> NDArray[np.complex64]:
@@ -72,29 +109,52 @@ def fft_field(aperture: Aperture, grid: Grid, wavelength: float | None = None) -
     refuse.Refusal
         Where the frequencies are not an FFT's own.
     """
-    mask, pixel = _mask_of(aperture, wavelength)
-    lengths = fft_lengths(aperture, grid)
-    if lengths is None:
-        raise refuse.Refusal(
-            "method 'fft' needs a spacing of 1 / (N pixels) with a whole N and a centre that is a "
-            "multiple of it; use method 'chirpz', which takes any grid."
-        )
-    v, u = grid.axes()
-    folded = _fold(_fold(mask, lengths[0], 0), lengths[1], 1)
-    rows = np.rint(v / grid.spacing[0]).astype(int)
-    columns = np.rint(u / grid.spacing[1]).astype(int)
-    if np.iscomplexobj(folded):
-        whole = fft.fft2(folded, workers=_workers(), overwrite_x=True)
-        values = np.asarray(whole[np.ix_(rows % lengths[0], columns % lengths[1])])
-    else:
-        half = fft.rfft(folded, axis=1, workers=_workers())
-        whole = fft.fft(half, axis=0, workers=_workers(), overwrite_x=True)
-        values = _from_half(whole, rows, columns, lengths)
+    lengths = _own_lengths(aperture, grid)
+    if aperture.wavefront is None and cosines_serve(aperture, grid, lengths):
+        return cosines_field(aperture, grid, lengths)
+    from aureole.diffraction import _kernels_fft  # compiled code: loaded when first used
+
+    spectrum, first, axes, pixel = _spectrum(aperture, grid, lengths, wavelength)
     # The first pixel's centre lies at (p − width) / 2, not at the origin.
     shift = (pixel - aperture.width) / 2
-    values *= np.exp(-2j * np.pi * v * shift).astype(np.complex64)[:, None]
-    values *= np.exp(-2j * np.pi * u * shift).astype(np.complex64)
-    return _with_pixel(values, u, v, pixel)
+    y, x = ((_turns(-axis * shift) * pixel * np.sinc(axis * pixel)).astype(np.complex64) for axis in axes)
+    out = np.empty(grid.shape, dtype=np.complex64)
+    _kernels_fft.fill_field(spectrum, first, lengths[1], y, x, out)
+    return out
+
+
+def fft_power(aperture: Aperture, grid: Grid, wavelength: float | None = None) -> NDArray[np.float32]:
+    """Return the power |F|² of a raster's far field at frequencies that a plain FFT has, without F.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    grid : Grid
+        Frequencies as for `fft_field`.
+    wavelength : float, optional
+        As for `fft_field`.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Square metres, squared.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the frequencies are not an FFT's own.
+    """
+    lengths = _own_lengths(aperture, grid)
+    if aperture.wavefront is None and cosines_serve(aperture, grid, lengths):
+        return cosines_power(aperture, grid, lengths)
+    from aureole.diffraction import _kernels_fft  # compiled code: loaded when first used
+
+    spectrum, first, axes, pixel = _spectrum(aperture, grid, lengths, wavelength)
+    y, x = (((pixel * np.sinc(axis * pixel)) ** 2).astype(np.float32) for axis in axes)
+    out = np.empty(grid.shape, dtype=np.float32)
+    _kernels_fft.fill_power(spectrum, first, lengths[1], y, x, out)
+    return out
 
 
 def fft_lengths(aperture: Aperture, grid: Grid) -> tuple[int, int] | None:
@@ -201,9 +261,36 @@ def _turns(turns: NDArray[np.float64]) -> NDArray[np.complex128]:
     return np.asarray(np.exp(2j * np.pi * (turns - np.rint(turns))))
 
 
+def _own_lengths(aperture: Aperture, grid: Grid) -> tuple[int, int]:
+    lengths = fft_lengths(aperture, grid)
+    if lengths is None:
+        raise refuse.Refusal(
+            "method 'fft' needs a spacing of 1 / (N pixels) with a whole N and a centre that is a "
+            "multiple of it; use method 'chirpz', which takes any grid."
+        )
+    return lengths
+
+
+def _spectrum(
+    aperture: Aperture, grid: Grid, lengths: tuple[int, int], wavelength: float | None
+) -> tuple[NDArray[np.complex64], tuple[int, int], tuple[NDArray[np.float64], NDArray[np.float64]], float]:
+    """Return the spectrum of a mask, the grid's first frequency in steps, the axes, and a pixel's size.
+
+    Only half of the columns of a real mask's spectrum.
+    """
+    mask, pixel = _mask_of(aperture, wavelength)
+    folded = _fold(_fold(mask, lengths[0], 0), lengths[1], 1)
+    transform = fft.fft2 if np.iscomplexobj(folded) else fft.rfft2
+    v, u = grid.axes()
+    first = round(v[0] / grid.spacing[0]), round(u[0] / grid.spacing[1])
+    return np.asarray(transform(folded, workers=_workers())), first, (v, u), pixel
+
+
 def _fold(mask: NDArray[Any], length: int, axis: int) -> NDArray[Any]:
     """Pad a mask with zeros to a length, or add up its repeats where it is longer."""
     size = mask.shape[axis]
+    if size == length:
+        return mask
     repeats = -(-size // length)
     pad = [(0, 0), (0, 0)]
     pad[axis] = (0, repeats * length - size)
@@ -215,18 +302,5 @@ def _fold(mask: NDArray[Any], length: int, axis: int) -> NDArray[Any]:
     return np.asarray(padded.reshape(shape).sum(axis=axis, dtype=mask.dtype))
 
 
-def _from_half(
-    half: NDArray[np.complex64], rows: NDArray[np.int64], columns: NDArray[np.int64], lengths: tuple[int, int]
-) -> NDArray[np.complex64]:
-    """Look frequencies up in a half spectrum, the other half by F(−u, −v) = F*(u, v)."""
-    row, column = rows % lengths[0], columns % lengths[1]
-    mirrored = column >= half.shape[1]
-    out: NDArray[np.complex64] = half[np.ix_(row, np.where(mirrored, lengths[1] - column, column))]
-    out[:, mirrored] = half[np.ix_(-row % lengths[0], lengths[1] - column[mirrored])].conj()
-    return out
-
-
 def _workers() -> int:
-    import os
-
     return os.cpu_count() or 1

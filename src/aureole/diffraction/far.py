@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction import culling
-from aureole.diffraction.chirpz import chirpz_field, fft_field, fft_lengths
+from aureole.diffraction.chirpz import chirpz_field, chirpz_power, fft_field, fft_lengths, fft_power
+from aureole.diffraction.cosines import cosines_serve, quadrants_of
 from aureole.diffraction.polygons import polygons_field, polygons_power
 from aureole.diffraction.quads import quads_field, quads_power
 from aureole.diffraction.quadtree import quadtree
@@ -26,9 +27,10 @@ RASTER_SIZE = 1024
 # Above so many edges an outline costs more than the chirp-z transform of its raster.
 MOST_EDGES = 4000
 # Seconds a call, and a unit of work, fitted to benchmarks/far_field.py on two cores.
-ROWS_CALL, ROWS_PRODUCT, ROWS_OUTPUT, ROWS_PIXEL = 8e-4, 3e-11, 6e-9, 5e-9
-CHIRP_CALL, CHIRP_SAMPLE, CHIRP_OUTPUT = 35e-5, 24e-9, 16e-9
-FFT_CALL, FFT_SAMPLE, FFT_OUTPUT = 35e-5, 7e-9, 30e-9
+ROWS_CALL, ROWS_PRODUCT, ROWS_OUTPUT, ROWS_PIXEL = 1e-3, 3e-11, 0.8e-9, 1e-9
+CHIRP_CALL, CHIRP_SAMPLE, CHIRP_OUTPUT = 35e-5, 22e-9, 8e-9
+FFT_CALL, FFT_SAMPLE, FFT_OUTPUT = 3e-4, 4e-9, 1e-9
+COSINES_CALL, COSINES_SAMPLE, COSINES_OUTPUT = 4e-4, 2.2e-9, 0.6e-9
 
 
 def _by_quads(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
@@ -72,6 +74,8 @@ POWERS: dict[str, Method] = {name: _squared(METHODS[name]) for name in METHODS} 
     "quads": _power_by_quads,
     "polygons": polygons_power,
     "rows": rows_power,
+    "chirpz": chirpz_power,
+    "fft": fft_power,
 }
 OF_PIXELS = ("quads", "rows", "chirpz", "fft")
 OF_WAVEFRONTS = ("reference", "chirpz", "fft")
@@ -255,9 +259,10 @@ def _fastest(aperture: Aperture, grid: Grid) -> tuple[str, list[Factor] | None]:
         return "rows", None
     if _rows_seconds(size, 0, grid) > seconds:
         return rival, None
-    # Between the two bounds the mask decides; what was found out about it is used.
+    # Between the two bounds the mask decides; what was found out about it is used, and is paid for.
     factors = factor(aperture.mask)
-    if _rows_seconds(size, multiplications(factors, rows, columns), grid) <= seconds:
+    spent = ROWS_PIXEL * size**2
+    if _rows_seconds(size, multiplications(factors, rows, columns), grid) <= seconds + spent:
         return "rows", factors
     return rival, None
 
@@ -268,7 +273,7 @@ def _rival(aperture: Aperture, grid: Grid) -> tuple[str, float]:
     rivals = {"chirpz": _chirp_seconds(len(aperture.mask), grid)}
     lengths = fft_lengths(aperture, grid)
     if lengths is not None:
-        rivals["fft"] = _fft_seconds(lengths, grid)
+        rivals["fft"] = _fft_seconds(aperture, lengths, grid)
     name = min(rivals, key=lambda each: rivals[each])
     return name, rivals[name]
 
@@ -294,7 +299,7 @@ def _for_wavefront(aperture: Aperture, grid: Grid, name: str) -> str:
     lengths = fft_lengths(aperture, grid)
     # A complex transform takes twice the real one's time.
     chirp = _chirp_seconds(len(aperture.mask), grid)
-    return "fft" if lengths is not None and 2 * _fft_seconds(lengths, grid) < chirp else "chirpz"
+    return "fft" if lengths is not None and 2 * _fft_seconds(aperture, lengths, grid) < chirp else "chirpz"
 
 
 def _rows_seconds(size: int, products: int, grid: Grid) -> float:
@@ -310,6 +315,16 @@ def _chirp_seconds(size: int, grid: Grid) -> float:
     return CHIRP_CALL + CHIRP_SAMPLE * samples + CHIRP_OUTPUT * rows * columns
 
 
-def _fft_seconds(lengths: tuple[int, int], grid: Grid) -> float:
+def _fft_seconds(aperture: Aperture, lengths: tuple[int, int], grid: Grid) -> float:
     """Return what 'fft' should take at its own lengths."""
-    return FFT_CALL + FFT_SAMPLE * lengths[0] * lengths[1] + FFT_OUTPUT * grid.shape[0] * grid.shape[1]
+    outputs = grid.shape[0] * grid.shape[1]
+    if aperture.wavefront is not None or not cosines_serve(aperture, grid, lengths):
+        return FFT_CALL + FFT_SAMPLE * lengths[0] * lengths[1] + FFT_OUTPUT * outputs
+    assert aperture.mask is not None
+    half = len(aperture.mask) // 2
+    samples = half * lengths[0] // 2 + (grid.shape[0] // 2 + 1) * lengths[1] // 2
+    return (
+        COSINES_CALL
+        + COSINES_SAMPLE * samples * quadrants_of(aperture.mask)
+        + COSINES_OUTPUT * (outputs + 4 * half**2) / 2
+    )

@@ -55,6 +55,51 @@ class Factor:
     labels: NDArray[np.int64]
 
 
+@dataclass(frozen=True, eq=False)
+class Folded:
+    """A mask folded about its centre, along both axes, into even and odd parts.
+
+    Parameters
+    ----------
+    quadrants : ndarray of float32, shape (4, h, h)
+        From the centre outwards: even, odd along x, odd along y, odd along both. Only those kept are
+        filled, and of them the rows that are lit.
+    sums : ndarray of float64, shape (4, h)
+        Sums of the magnitudes of the rows.
+    kept : list of int
+        Which quadrants hold anything.
+    reach : int
+        From this column on all are dark.
+    """
+
+    quadrants: NDArray[np.float32]
+    sums: NDArray[np.float64]
+    kept: list[int]
+    reach: int
+
+
+def fold(mask: NDArray[np.float32]) -> Folded:
+    """Fold a mask about its centre.
+
+    Parameters
+    ----------
+    mask : ndarray of float32, shape (n, n)
+        Amplitude transmittance.
+
+    Returns
+    -------
+    Folded
+        Four quadrants at most.
+    """
+    half = (len(mask) + 1) // 2
+    quadrants = np.empty((4, half, half), dtype=np.float32)
+    sums, reach = np.empty((4, half)), np.empty(half, dtype=np.int64)
+    _kernels_rows.fold(np.ascontiguousarray(mask, dtype=np.float32), quadrants, sums, reach)
+    totals = sums.sum(axis=1)
+    kept = [part for part in range(4) if totals[part] > NEGLIGIBLE * totals.max()]
+    return Folded(quadrants, sums, kept, int(reach.max()))
+
+
 def factor(mask: NDArray[np.float32]) -> list[Factor]:
     """Fold a mask about its centre and find the distinct lines of each part that is not empty.
 
@@ -68,13 +113,8 @@ def factor(mask: NDArray[np.float32]) -> list[Factor]:
     list of Factor
         Four at most.
     """
-    half = (len(mask) + 1) // 2
-    quadrants = np.empty((4, half, half), dtype=np.float32)
-    sums = np.empty((4, half))
-    _kernels_rows.fold(np.ascontiguousarray(mask, dtype=np.float32), quadrants, sums)
-    totals = sums.sum(axis=1)
-    kept = [part for part in range(4) if totals[part] > NEGLIGIBLE * totals.max()]
-    return [_distinct(part, quadrants[part], sums[part]) for part in kept]
+    folded = fold(mask)
+    return [_distinct(part, folded.quadrants[part], folded.sums[part]) for part in folded.kept]
 
 
 def rows_field(aperture: Aperture, grid: Grid, factors: list[Factor] | None = None) -> NDArray[np.complex64]:

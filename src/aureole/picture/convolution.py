@@ -157,8 +157,18 @@ METHODS: dict[str, Callable[[Pixels, Pixels, int], Pixels]] = {"reference": _by_
 
 
 @dataclass(frozen=True, eq=False)
-class _Circle:
-    """A circle of samples: its transform's factors, cosines and sines of −2πj/n, each frequency's place."""
+class Circle:
+    """A circle of n samples: what transforms along it read, and where they leave each frequency.
+
+    Parameters
+    ----------
+    radices : ndarray of int64, shape (S,)
+        Factors of n, in the order of the stages.
+    cosines, sines : ndarray, shape (n,)
+        Of −2πj/n.
+    places : ndarray of int64, shape (n + 1,)
+        Row of the work array where `down` leaves each frequency; frequency n is frequency 0.
+    """
 
     radices: NDArray[np.int64]
     cosines: Pixels
@@ -166,9 +176,11 @@ class _Circle:
     places: NDArray[np.int64]
 
     def down(self, work: Pixels) -> None:
+        """Transform a work array in place (`aureole.picture._kernels`)."""
         _kernels.down(work, self.radices, self.cosines, self.sines)
 
     def up(self, work: Pixels) -> None:
+        """Transform a work array back in place, times n."""
         _kernels.up(work, self.radices, self.cosines, self.sines)
 
 
@@ -176,8 +188,8 @@ class _Circle:
 class _Torus:
     """The samples that picture and kernel are laid out on: a circle down the columns, one along the rows."""
 
-    down: _Circle
-    along: _Circle
+    down: Circle
+    along: Circle
     centre: tuple[int, int]
     threads: int
 
@@ -254,7 +266,7 @@ def _prepared(kernel: Pixels, shape: tuple[int, ...], threads: int) -> tuple[Pix
     """Crop a kernel to what counts, and choose the samples for it and the picture."""
     response, centre = _cropped(kernel, shape)
     down, along = (
-        _circle(next_fast_len(length + max(before, size - 1 - before), real=True), kernel.dtype)
+        circle(next_fast_len(length + max(before, size - 1 - before), real=True), kernel.dtype)
         for length, size, before in zip(shape[:2], response.shape[:2], centre, strict=True)
     )
     return response, _Torus(down, along, centre, threads)
@@ -271,7 +283,21 @@ def _cropped(kernel: Pixels, shape: tuple[int, ...]) -> tuple[Pixels, tuple[int,
 
 
 @lru_cache(maxsize=16)
-def _circle(n: int, dtype: np.dtype[Any]) -> _Circle:
+def circle(n: int, dtype: np.dtype[Any]) -> Circle:
+    """Return what the transforms of n samples side by side read.
+
+    Parameters
+    ----------
+    n : int
+        A product of twos, threes and fives.
+    dtype : dtype
+        float32 or float64.
+
+    Returns
+    -------
+    Circle
+        Its arrays are shared, not to be written.
+    """
     radices, rest = [], n
     for factor in (4, 5, 3, 2):
         while rest % factor == 0:
@@ -283,7 +309,7 @@ def _circle(n: int, dtype: np.dtype[Any]) -> _Circle:
     places = np.argsort(frequencies)
     angles = -2 * np.pi * np.arange(n) / n
     turns = np.cos(angles).astype(dtype), np.sin(angles).astype(dtype)
-    return _Circle(np.array(radices, dtype=np.int64), *turns, np.append(places, places[0]))
+    return Circle(np.array(radices, dtype=np.int64), *turns, np.append(places, places[0]))
 
 
 def _share(task: Callable[[int], None], items: Iterable[int], threads: int) -> None:
