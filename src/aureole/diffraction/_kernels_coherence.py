@@ -1,4 +1,9 @@
-"""Compiled loops of the coherence sum: pairs of edges at every pixel."""
+"""Compiled loops of the coherence sum: a row of the plane at a time, pass after pass along it.
+
+A table (T, 4) holds the channels side by side, the fourth unused, so that a look-up reads neighbouring
+numbers. Its first entry lies one step before zero and two lie beyond its last, for Lagrange's cubic
+through four entries. Positions are unsigned, because signed ones cost a check for wrap-around a look-up.
+"""
 
 import math
 
@@ -6,26 +11,32 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-# Differences over a smaller step than this, in fringes, are taken as slopes.
-SMALLEST = 0.05
+# Differences over a smaller step than this, in fringes, are taken as slopes; over a step below SHORT both
+# ends share the mean of their tables, lest their pixels' factors be divided by next to nothing.
+SMALLEST, SHORT = 0.05, 0.5
+FAST = {"contract", "arcp", "nsz"}
 
 
-@numba.njit(parallel=True, cache=True)
-def add_pairs(
+@numba.njit(parallel=True, cache=True, error_model="numpy")
+def fill_power(
     u: NDArray[np.float64],
     v: NDArray[np.float64],
     vertices: NDArray[np.float64],
     following: NDArray[np.int64],
     weights: NDArray[np.float64],
     limits: NDArray[np.float64],
+    widths: NDArray[np.float64],
     pairs: NDArray[np.float32],
+    reaches: NDArray[np.float64],
     own: NDArray[np.float32],
     shared: NDArray[np.float32],
     total: NDArray[np.float64],
     steps: int,
+    scale: float,
+    mirrored: bool,
     out: NDArray[np.float32],
 ) -> None:
-    """Write Σ_jk κ_j κ_k ⟨E_j, E_k⟩ / (16π⁴ |q|⁴) at every frequency.
+    """Write Σ_jk κ_j κ_k ⟨E_j, E_k⟩ / (16π⁴ |q|⁴) × scale at every frequency.
 
     Parameters
     ----------
@@ -38,57 +49,57 @@ def add_pairs(
     weights : ndarray, shape (V,)
         Signed transmittance of the ring of each edge.
     limits : ndarray, shape (V,)
-        |q·e| of each edge below which its streak is near and pairs of edges are summed one by one.
-    pairs : ndarray, shape (V, V, T, 3)
-        Γ of each pair of corners.
-    own, shared : ndarray, shape (V, T, 3)
+        |q·e| of each edge below which its streak is near.
+    widths : ndarray, shape (V,)
+        Mean square of q·e over a pixel or a disc about its centre, of each edge.
+    pairs : ndarray, shape (V (V − 1) / 2, T, 4)
+        Γ of the corners m > n at place m (m − 1) / 2 + n.
+    reaches : ndarray, shape (V (V − 1) / 2,)
+        |q·(v_m − v_n)| beyond which Γ counts as zero.
+    own, shared : ndarray, shape (V, T, 4)
         A and B of each edge.
     total : ndarray, shape (3,)
         Γ(0).
     steps : int
         Table entries per fringe.
-    out : ndarray, shape (R, C, 3)
-        Written.
+    scale : float
+        Factor of everything.
+    mirrored : bool
+        Whether the rows end at the axis and the columns are odd in number and centred on it: the
+        other half of the plane is then written too.
+    out : ndarray, shape (R, C, 3), or twice the rows where mirrored
+        Written; where mirrored it may have one row or one column less than the whole plane.
     """
     count, columns = len(vertices), len(u)
     for row in numba.prange(len(v)):
-        tau = np.zeros((count, columns))
-        near = np.zeros(columns, dtype=np.bool_)
-        sums = np.zeros((3, columns))
+        tau = np.zeros((count, columns), dtype=np.float32)
+        sums = np.empty((columns, 4), dtype=np.float32)
+        near = np.empty((count, 2), dtype=np.int64)
         _corner_weights(u, v[row], vertices, following, weights, limits, tau, near)
-        for m in range(count):
-            for column in range(columns):
-                square = tau[m, column] * tau[m, column]
-                sums[0, column] += square * total[0]
-                sums[1, column] += square * total[1]
-                sums[2, column] += square * total[2]
+        _add_corners_alone(tau, total, sums)
+        pair = 0
+        for m in range(1, count):
             for n in range(m):
-                _add_corners(
-                    u, v[row], vertices[m] - vertices[n], tau[m], tau[n], near, pairs[m, n], steps, sums
+                dx, dy = vertices[m, 0] - vertices[n, 0], v[row] * (vertices[m, 1] - vertices[n, 1])
+                _add_corners(u, dx, dy, reaches[pair], tau[m], tau[n], pairs[pair], steps, sums)
+                pair += 1
+        for j in range(count):
+            low, high = near[j]
+            if low < high:
+                k = following[j]
+                _add_near_edge(
+                    u, v[row], vertices[j], vertices[k], weights[j], widths[j], low, high, tau[j], tau[k],
+                    own[j], shared[j], total, steps, sums,
+                )  # fmt: skip
+                _add_edge_with_corners(
+                    u, v[row], vertices, j, k, weights[j], low, high, tau, pairs, reaches, steps, sums
                 )
-        values = np.zeros(3)
-        work = np.zeros((3, count))
-        for column in range(columns):
-            if near[column]:
-                _pair_by_pair(
-                    u[column],
-                    v[row],
-                    vertices,
-                    following,
-                    weights,
-                    pairs,
-                    own,
-                    shared,
-                    total,
-                    steps,
-                    work,
-                    values,
-                )
-                sums[0, column], sums[1, column], sums[2, column] = values[0], values[1], values[2]
-            square = u[column] * u[column] + v[row] * v[row]
-            scale = 1 / (16 * math.pi**4 * square * square) if square > 0 else 0.0
-            for channel in range(3):
-                out[row, column, channel] = max(sums[channel, column] * scale, 0.0)
+                for i in range(j):
+                    _add_near_edges(
+                        u, v[row], vertices, following, weights, j, i, max(low, near[i, 0]),
+                        min(high, near[i, 1]), pairs, shared, total, steps, sums,
+                    )  # fmt: skip
+        _write(u, v[row], row, len(v) - 1, sums, scale, mirrored, out)
 
 
 @numba.njit(cache=True, error_model="numpy")
@@ -99,217 +110,321 @@ def _corner_weights(
     following: NDArray[np.int64],
     weights: NDArray[np.float64],
     limits: NDArray[np.float64],
-    tau: NDArray[np.float64],
-    near: NDArray[np.bool_],
+    tau: NDArray[np.float32],
+    near: NDArray[np.int64],
 ) -> None:
-    """Write τ_m = κ_m / x_m − κ_{m−1} / x_{m−1} along a row, and where an edge's streak is near."""
+    """Write τ_m = κ_m / x_m − κ_{m−1} / x_{m−1} of the edges whose streak is not near, and where it is."""
+    columns = len(u)
     for j in range(len(vertices)):
         k = following[j]
         ex, ey = vertices[k, 0] - vertices[j, 0], vertices[k, 1] - vertices[j, 1]
-        along_v, cross_v, limit = v * ey, v * ex, limits[j]
-        for column in range(len(u)):
-            along = u[column] * ex + along_v
-            close = abs(along) < limit
-            near[column] |= close
-            quotient = (u[column] * ey - cross_v) * weights[j] / (1.0 if close else along)
-            tau[j, column] += quotient
-            tau[k, column] -= quotient
+        low, high = _columns_within(u, ex, v * ey, limits[j])
+        near[j, 0], near[j, 1] = low, high
+        for first, last in ((0, low), (high, columns)):
+            for column in range(first, last):
+                x = u[column]
+                quotient = np.float32((x * ey - v * ex) * weights[j] / (x * ex + v * ey))
+                tau[j, column] += quotient
+                tau[k, column] -= quotient
 
 
-@numba.njit(cache=True)
+@numba.njit(cache=True, fastmath=FAST)
+def _add_corners_alone(
+    tau: NDArray[np.float32], total: NDArray[np.float64], sums: NDArray[np.float32]
+) -> None:
+    """Start with Σ τ_m² Γ(0)."""
+    first, second, third = np.float32(total[0]), np.float32(total[1]), np.float32(total[2])
+    for column in range(tau.shape[1]):
+        square = np.float32(0)
+        for m in range(len(tau)):
+            square += tau[m, column] * tau[m, column]
+        sums[column, 0], sums[column, 1], sums[column, 2] = square * first, square * second, square * third
+        sums[column, 3] = 0.0
+
+
+@numba.njit(cache=True, inline="always")
+def _cubic(table, place, factor, line):  # type: ignore[no-untyped-def]
+    """Add a factor times a table's values at a place in steps to a line's four channels."""
+    index = np.uint32(place)
+    t = np.float32(place - index)
+    before, after, beyond = t + np.float32(1), t - np.float32(1), t - np.float32(2)
+    w0 = factor * np.float32(-1 / 6) * t * after * beyond
+    w1 = factor * np.float32(0.5) * before * after * beyond
+    w2 = factor * np.float32(-0.5) * before * t * beyond
+    w3 = factor * np.float32(1 / 6) * before * t * after
+    a, b = table[index], table[index + np.uint32(1)]
+    c, d = table[index + np.uint32(2)], table[index + np.uint32(3)]
+    x = w0 * a[0] + w1 * b[0] + w2 * c[0] + w3 * d[0]
+    y = w0 * a[1] + w1 * b[1] + w2 * c[1] + w3 * d[1]
+    z = w0 * a[2] + w1 * b[2] + w2 * c[2] + w3 * d[2]
+    w = w0 * a[3] + w1 * b[3] + w2 * c[3] + w3 * d[3]
+    line[0] += x
+    line[1] += y
+    line[2] += z
+    line[3] += w
+
+
+@numba.njit(cache=True, fastmath=FAST)
 def _add_corners(
     u: NDArray[np.float64],
-    v: float,
-    difference: NDArray[np.float64],
-    first: NDArray[np.float64],
-    second: NDArray[np.float64],
-    near: NDArray[np.bool_],
+    dx: float,
+    along_v: float,
+    reach: float,
+    first: NDArray[np.float32],
+    second: NDArray[np.float32],
     table: NDArray[np.float32],
     steps: int,
-    sums: NDArray[np.float64],
+    sums: NDArray[np.float32],
 ) -> None:
     """Add 2 τ_m τ_n Γ(q·(v_m − v_n)) in the columns where Γ lives."""
-    reach = (len(table) - 4) / steps
-    low, high = _columns_within(u, difference[0], v * difference[1], reach)
+    low, high = _columns_within(u, dx, along_v, reach)
+    last = float(len(table) - 4)
     for column in range(low, high):
-        s = abs(u[column] * difference[0] + v * difference[1])
-        if s >= reach or near[column]:
-            continue
-        place = s * steps
-        index = int(place)
-        t = place - index
-        w0 = t * (-0.5 + t * (1 - 0.5 * t))
-        w1 = 1 + t * t * (-2.5 + 1.5 * t)
-        w2 = t * (0.5 + t * (2 - 1.5 * t))
-        w3 = t * t * (-0.5 + 0.5 * t)
-        factor = 2 * first[column] * second[column]
-        for channel in range(3):
-            sums[channel, column] += factor * (
-                w0 * table[index, channel]
-                + w1 * table[index + 1, channel]
-                + w2 * table[index + 2, channel]
-                + w3 * table[index + 3, channel]
-            )
+        place = min(abs(u[column] * dx + along_v) * steps, last)
+        _cubic(table, place, np.float32(2) * first[column] * second[column], sums[column])
 
 
 @numba.njit(cache=True)
 def _columns_within(u: NDArray[np.float64], dx: float, along_v: float, reach: float) -> tuple[int, int]:
-    """Return the range of columns in which |u dx + along_v| can be below a reach."""
+    """Return the range of columns in which |u dx + along_v| is below a reach."""
     count = len(u)
-    if count == 1 or dx == 0:
-        return (0, count) if count == 1 or abs(along_v) < reach else (0, 0)
-    step = u[1] - u[0]
+    step = u[1] - u[0] if count > 1 else 1.0
+    if abs(dx) * step * count < 1e-9 * reach:
+        return (0, count) if abs(u[0] * dx + along_v) < reach else (0, 0)
     one = ((reach - along_v) / dx - u[0]) / step
     other = ((-reach - along_v) / dx - u[0]) / step
-    low = min(max(min(one, other) - 1, 0.0), float(count))
-    high = min(max(max(one, other) + 2, 0.0), float(count))
+    low = min(max(math.ceil(min(one, other)), 0.0), float(count))
+    high = min(max(math.floor(max(one, other)) + 1, low), float(count))
     return int(low), int(high)
 
 
-@numba.njit(cache=True)
-def _pair_by_pair(
-    u: float,
+@numba.njit(cache=True, error_model="numpy")
+def _add_near_edge(
+    u: NDArray[np.float64],
+    v: float,
+    start: NDArray[np.float64],
+    end: NDArray[np.float64],
+    weight: float,
+    width: float,
+    low: int,
+    high: int,
+    at_start: NDArray[np.float32],
+    at_end: NDArray[np.float32],
+    own: NDArray[np.float32],
+    shared: NDArray[np.float32],
+    total: NDArray[np.float64],
+    steps: int,
+    sums: NDArray[np.float32],
+) -> None:
+    """Add a near edge with itself, κ² A(x), and with what else its corners carry, 2 κ B(x) (τ_j − τ_k)."""
+    ex, ey = end[0] - start[0], end[1] - start[1]
+    last = float(own.shape[0] - 4)
+    for column in range(low, high):
+        x = u[column] * ex + v * ey
+        kappa = (u[column] * ey - v * ex) * weight
+        square, cross = kappa * kappa, 2 * kappa * (at_start[column] - at_end[column])
+        if x < 0:
+            cross = -cross
+        place = abs(x) * steps
+        if place < last:
+            _cubic(own, place, np.float32(square), sums[column])
+            _cubic(shared, place, np.float32(cross), sums[column])
+        else:
+            # Beyond the tables A → 2 Γ(0) ⟨1 / x²⟩ and B → Γ(0) ⟨1 / x⟩.
+            ratio = width / (x * x)
+            factor = 2 * square * (1 + 3 * ratio) / (x * x) + cross * (1 + ratio) / abs(x)
+            for channel in range(3):
+                sums[column, channel] += factor * total[channel]
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add_edge_with_corners(
+    u: NDArray[np.float64],
     v: float,
     vertices: NDArray[np.float64],
-    following: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    pairs: NDArray[np.float32],
-    own: NDArray[np.float32],
-    shared: NDArray[np.float32],
-    total: NDArray[np.float64],
-    steps: int,
-    work: NDArray[np.float64],
-    values: NDArray[np.float64],
-) -> None:
-    """Sum the pairs of edges at one frequency, regular where q is normal to an edge."""
-    count = len(vertices)
-    kappa, along, phase = work[0], work[1], work[2]
-    for j in range(count):
-        ex = vertices[following[j], 0] - vertices[j, 0]
-        ey = vertices[following[j], 1] - vertices[j, 1]
-        phase[j] = u * vertices[j, 0] + v * vertices[j, 1]
-        along[j] = u * ex + v * ey
-        kappa[j] = (u * ey - v * ex) * weights[j]
-    values[:] = 0.0
-    for j in range(count):
-        _add_own(kappa[j], along[j], own[j], total, steps, values)
-        for k in range(j):
-            factor = 2 * kappa[j] * kappa[k]
-            if following[k] == j:
-                _add_adjacent(k, j, factor, along, following, pairs, shared, total, steps, values)
-            elif following[j] == k:
-                _add_adjacent(j, k, factor, along, following, pairs, shared, total, steps, values)
-            else:
-                _add_apart(j, k, factor, along, following, phase, pairs, steps, values)
-
-
-@numba.njit(cache=True)
-def _add_own(
-    kappa: float,
-    x: float,
-    own: NDArray[np.float32],
-    total: NDArray[np.float64],
-    steps: int,
-    values: NDArray[np.float64],
-) -> None:
-    """Add an edge with itself, κ² A(x), A → 2 Γ(0) / x² beyond the table."""
-    square = kappa * kappa
-    if abs(x) * steps < len(own) - 4:
-        _look_up(own, abs(x), steps, square, values)
-    else:
-        for channel in range(3):
-            values[channel] += square * 2 * total[channel] / (x * x)
-
-
-@numba.njit(cache=True)
-def _add_adjacent(
     j: int,
     k: int,
-    factor: float,
-    along: NDArray[np.float64],
-    following: NDArray[np.int64],
+    weight: float,
+    low: int,
+    high: int,
+    tau: NDArray[np.float32],
     pairs: NDArray[np.float32],
-    shared: NDArray[np.float32],
-    total: NDArray[np.float64],
+    reaches: NDArray[np.float64],
     steps: int,
-    values: NDArray[np.float64],
+    sums: NDArray[np.float32],
 ) -> None:
-    """Add edge j with its next, k: −B(x) / y + (Γ(y) − Γ(x + y)) / (x y), x the smaller of the two."""
-    x, y, near, sign = along[j], along[k], j, -1.0
-    if abs(x) > abs(y):
-        x, y, near = y, x, k
-    if y == 0:
-        return
-    if abs(x) * steps < shared.shape[1] - 4:
-        turned = sign if x >= 0 else -sign
-        _look_up(shared[near], abs(x), steps, factor * turned / y, values)
-    else:
-        for channel in range(3):
-            values[channel] -= factor * total[channel] / (x * y)
-    # What is left is coherent over the longer of the two only.
-    step = x if abs(x) > SMALLEST else math.copysign(SMALLEST, x)
-    far = (k, following[k]) if near == j else (j, k)
-    _look_up_pair(pairs, far[0], far[1], y, steps, factor / (step * y), values)
-    _look_up_pair(pairs, j, following[k], y + step, steps, -factor / (step * y), values)
+    """Add 2 κ τ_m (Γ(q·(v_j − v_m)) − Γ(q·(v_k − v_m))) / x for a near edge and the other corners."""
+    ex, ey = vertices[k, 0] - vertices[j, 0], vertices[k, 1] - vertices[j, 1]
+    for m in range(len(vertices)):
+        if m in (j, k):
+            continue
+        one, other = _pair(j, m), _pair(k, m)
+        mx = (vertices[j, 0] + vertices[k, 0]) / 2 - vertices[m, 0]
+        my = v * ((vertices[j, 1] + vertices[k, 1]) / 2 - vertices[m, 1])
+        # The ends of the edge are at half its own |q·e| from its middle.
+        widest = max(abs(u[low] * ex + v * ey), abs(u[high - 1] * ex + v * ey), SMALLEST)
+        first, after = _columns_within(u, mx, my, max(reaches[one], reaches[other]) + widest / 2)
+        for column in range(max(low, first), min(high, after)):
+            x = u[column] * ex + v * ey
+            kappa = (u[column] * ey - v * ex) * weight
+            middle, factor = u[column] * mx + my, 2 * kappa * tau[m, column]
+            _add_difference(pairs[one], pairs[other], middle - x / 2, x, steps, factor, sums[column])
 
 
-@numba.njit(cache=True)
-def _add_apart(
-    j: int,
-    k: int,
-    factor: float,
-    along: NDArray[np.float64],
-    following: NDArray[np.int64],
-    phase: NDArray[np.float64],
-    pairs: NDArray[np.float32],
-    steps: int,
-    values: NDArray[np.float64],
-) -> None:
-    """Add two edges without a common corner: (Γ(a) − Γ(b) − Γ(c) + Γ(d)) / (x_j x_k)."""
-    a = phase[j] - phase[k]
-    reach = (pairs.shape[2] - 4) / steps
-    if abs(a) - abs(along[j]) - abs(along[k]) > reach:
-        return
-    x = along[j] if abs(along[j]) > SMALLEST else math.copysign(SMALLEST, along[j])
-    y = along[k] if abs(along[k]) > SMALLEST else math.copysign(SMALLEST, along[k])
-    share = factor / (x * y)
-    _look_up_pair(pairs, j, k, a, steps, share, values)
-    _look_up_pair(pairs, j, following[k], a - y, steps, -share, values)
-    _look_up_pair(pairs, following[j], k, a + x, steps, -share, values)
-    _look_up_pair(pairs, following[j], following[k], a + x - y, steps, share, values)
-
-
-@numba.njit(cache=True)
-def _look_up_pair(
-    pairs: NDArray[np.float32],
-    m: int,
-    n: int,
+@numba.njit(cache=True, error_model="numpy")
+def _add_difference(
+    one: NDArray[np.float32],
+    other: NDArray[np.float32],
     s: float,
+    x: float,
     steps: int,
     factor: float,
-    values: NDArray[np.float64],
+    line: NDArray[np.float32],
 ) -> None:
-    if abs(s) * steps < pairs.shape[2] - 4:
-        _look_up(pairs[m, n], abs(s), steps, factor, values)
+    """Add a factor times (Γ_one(s) − Γ_other(s + x)) / x."""
+    if abs(x) >= SHORT:
+        _look_up(one, s, steps, factor / x, line)
+        _look_up(other, s + x, steps, -factor / x, line)
+        return
+    step = x if abs(x) > SMALLEST else math.copysign(SMALLEST, x)
+    first = s + (x - step) / 2
+    for table in (one, other):
+        _look_up(table, first, steps, factor / (2 * step), line)
+        _look_up(table, first + step, steps, -factor / (2 * step), line)
+
+
+@numba.njit(cache=True)
+def _pair(m: int, n: int) -> int:
+    """Return the place of a pair of corners in the tables."""
+    return m * (m - 1) // 2 + n if m > n else n * (n - 1) // 2 + m
 
 
 @numba.njit(cache=True)
 def _look_up(
-    table: NDArray[np.float32], s: float, steps: int, factor: float, values: NDArray[np.float64]
+    table: NDArray[np.float32], s: float, steps: int, factor: float, line: NDArray[np.float32]
 ) -> None:
-    """Add a factor times a table's value between its entries, by Catmull-Rom's cubic."""
-    place = s * steps
-    index = int(place)
-    t = place - index
-    # The table's first entry lies one step before zero.
-    w0 = t * (-0.5 + t * (1 - 0.5 * t))
-    w1 = 1 + t * t * (-2.5 + 1.5 * t)
-    w2 = t * (0.5 + t * (2 - 1.5 * t))
-    w3 = t * t * (-0.5 + 0.5 * t)
-    for channel in range(3):
-        values[channel] += factor * (
-            w0 * table[index, channel]
-            + w1 * table[index + 1, channel]
-            + w2 * table[index + 2, channel]
-            + w3 * table[index + 3, channel]
-        )
+    """Add a factor times an even table's value; it is zero beyond its end."""
+    place = abs(s) * steps
+    if place < table.shape[0] - 4:
+        _cubic(table, place, np.float32(factor), line)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add_near_edges(
+    u: NDArray[np.float64],
+    v: float,
+    vertices: NDArray[np.float64],
+    following: NDArray[np.int64],
+    weights: NDArray[np.float64],
+    j: int,
+    k: int,
+    low: int,
+    high: int,
+    pairs: NDArray[np.float32],
+    shared: NDArray[np.float32],
+    total: NDArray[np.float64],
+    steps: int,
+    sums: NDArray[np.float32],
+) -> None:
+    """Add 2 κ_j κ_k ⟨E_j, E_k⟩ where the streaks of both edges are near."""
+    next_j, next_k = following[j], following[k]
+    ax, ay = vertices[next_j, 0] - vertices[j, 0], vertices[next_j, 1] - vertices[j, 1]
+    bx, by = vertices[next_k, 0] - vertices[k, 0], vertices[next_k, 1] - vertices[k, 1]
+    cx, cy = vertices[j, 0] - vertices[k, 0], vertices[j, 1] - vertices[k, 1]
+    for column in range(low, high):
+        q = u[column]
+        x, y, apart = q * ax + v * ay, q * bx + v * by, q * cx + v * cy
+        factor = 2 * (q * ay - v * ax) * (q * by - v * bx) * weights[j] * weights[k]
+        if next_k == j:
+            _add_adjacent(k, j, next_j, y, x, factor, pairs, shared, total, steps, sums[column])
+        elif next_j == k:
+            _add_adjacent(j, k, next_k, x, y, factor, pairs, shared, total, steps, sums[column])
+        else:
+            _add_apart(j, next_j, k, next_k, x, y, apart, factor, pairs, steps, sums[column])
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add_adjacent(
+    first: int,
+    corner: int,
+    last: int,
+    x: float,
+    y: float,
+    factor: float,
+    pairs: NDArray[np.float32],
+    shared: NDArray[np.float32],
+    total: NDArray[np.float64],
+    steps: int,
+    line: NDArray[np.float32],
+) -> None:
+    """Add an edge with its next, k: −B(x) / y + (Γ(y) − Γ(x + y)) / (x y), x the smaller of the two."""
+    edge, one = first, _pair(corner, last)
+    if abs(x) > abs(y):
+        x, y, edge, one = y, x, corner, _pair(first, corner)
+    if y == 0:
+        return
+    if abs(x) * steps < shared.shape[1] - 4:
+        _look_up(shared[edge], x, steps, (-factor if x >= 0 else factor) / y, line)
+    else:
+        for channel in range(3):
+            line[channel] -= factor * total[channel] / (x * y)
+    # What is left is coherent over the longer of the two only.
+    _add_difference(pairs[one], pairs[_pair(first, last)], y, x, steps, factor / y, line)
+
+
+@numba.njit(cache=True, error_model="numpy")
+def _add_apart(
+    j: int,
+    after_j: int,
+    k: int,
+    after_k: int,
+    x: float,
+    y: float,
+    apart: float,
+    factor: float,
+    pairs: NDArray[np.float32],
+    steps: int,
+    line: NDArray[np.float32],
+) -> None:
+    """Add two edges without a common corner: (Γ(a) − Γ(b) − Γ(c) + Γ(d)) / (x_j x_k)."""
+    wide = y if abs(y) > SMALLEST else math.copysign(SMALLEST, y)
+    share, near = factor / wide, apart + (wide - y) / 2
+    if abs(y) >= SHORT:
+        _add_difference(pairs[_pair(j, k)], pairs[_pair(after_j, k)], near, x, steps, share, line)
+        one, other = pairs[_pair(j, after_k)], pairs[_pair(after_j, after_k)]
+        _add_difference(one, other, near - wide, x, steps, -share, line)
+        return
+    for end in (k, after_k):
+        one, other = pairs[_pair(j, end)], pairs[_pair(after_j, end)]
+        _add_difference(one, other, near, x, steps, share / 2, line)
+        _add_difference(one, other, near - wide, x, steps, -share / 2, line)
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _write(
+    u: NDArray[np.float64],
+    v: float,
+    row: int,
+    axis: int,
+    sums: NDArray[np.float32],
+    scale: float,
+    mirrored: bool,
+    out: NDArray[np.float32],
+) -> None:
+    """Divide by |q|⁴ and write a row, and where mirrored the one that it is turned by 180 degrees."""
+    columns = len(u)
+    shared = scale / (16 * math.pi**4)
+    for column in range(columns):
+        square = u[column] * u[column] + v * v
+        factor = np.float32(shared / (square * square)) if square > 0 else np.float32(0)
+        for channel in range(3):
+            sums[column, channel] = max(sums[column, channel] * factor, np.float32(0))
+    shown = min(columns, out.shape[1])
+    for column in range(shown):
+        for channel in range(3):
+            out[row, column, channel] = sums[column, channel]
+    turned = 2 * axis - row
+    if mirrored and turned != row and turned < out.shape[0]:
+        for column in range(shown):
+            for channel in range(3):
+                out[turned, column, channel] = sums[columns - 1 - column, channel]

@@ -14,8 +14,13 @@ pixel under their integrals. The rest of the sum is taken as constant over a pix
 from the origin; there `starburst` has its core.
 """
 
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy import special
 
 from aureole import light, refuse
 from aureole.diffraction import _kernels_coherence
@@ -23,10 +28,12 @@ from aureole.records import Aperture, Grid, Spectrum
 
 MOST_VERTICES = 24
 WAVELENGTHS = 401
-# Tables reach so many fringes at so many steps a fringe; beyond, Γ is below a thousandth.
-REACH = 48
-STEPS = 24
-HEIGHTS = 1536
+# Γ counts as zero from where it stays below this share of Γ(0), and tables reach no farther than so many
+# fringes beyond the blur of pixel and light.
+NEGLIGIBLE, FARTHEST = 3e-4, 160
+# Table entries a fringe.
+STEPS = 48
+LEAST_HEIGHTS, HEIGHTS_A_FRINGE = 1024, 15
 NEAR_FRINGES, NEAR_PIXELS = 0.5, 10.0
 
 
@@ -56,9 +63,11 @@ def coherent_power(
     grid: Grid,
     reference_wavelength: float,
     spectrum: Spectrum,
-    pixel: tuple[float, float],
+    pixel: tuple[float, float] = (0.0, 0.0),
+    light_radius: float = 0.0,
+    scale: float = 1.0,
 ) -> NDArray[np.float32]:
-    """Return the sum over wavelengths of ρ² |F(ρq)|², averaged over pixels.
+    """Return the sum over wavelengths of ρ² |F(ρq)|², averaged over pixels and the light's disc.
 
     Parameters
     ----------
@@ -72,6 +81,10 @@ def coherent_power(
         The light's.
     pixel : tuple of float
         Pixel size (y, x) in cycles per metre at the reference wavelength; 0 for point samples.
+    light_radius : float
+        Radius of a disc-shaped light, likewise; 0 for a point.
+    scale : float
+        Factor of everything.
 
     Returns
     -------
@@ -91,22 +104,49 @@ def coherent_power(
         )
     unit = aperture.width
     vertices, following, weights = _edges(aperture)
-    wavelengths, white = light.quadrature(spectrum, WAVELENGTHS)
-    ratios = reference_wavelength / wavelengths
-    size = np.array([pixel[1], pixel[0]]) * unit
-    pairs = _pair_tables(vertices, size, ratios, white)
+    blur = _Blur(pixel[1] * unit, pixel[0] * unit, light_radius * unit)
     edges = vertices[following] - vertices
-    own, shared = _edge_tables(edges, size, ratios, white)
-    # Within so many fringes or pixels of its streak an edge is summed with each other one by one.
-    limits = np.maximum(NEAR_FRINGES, NEAR_PIXELS * np.abs(edges) @ size)
-    v, u = (axis * unit for axis in grid.axes())
-    out = np.zeros((*grid.shape, 3), dtype=np.float32)
-    total = (white / ratios[:, None] ** 2).sum(axis=0)
-    _kernels_coherence.add_pairs(
-        u, v, vertices, following, weights, limits, pairs, own, shared, total, STEPS, out
-    )
+    tables = _tables(vertices, edges, blur, reference_wavelength, spectrum)
+    # Within so many fringes or pixels of its streak an edge is averaged over the pixel by itself.
+    widths = blur.mean_square(edges)
+    limits = np.maximum(NEAR_FRINGES, NEAR_PIXELS * np.sqrt(12 * widths))
+    (v, u), (rows, columns) = (axis * unit for axis in grid.axes()), grid.shape
+    mirrored = grid.centre == (0.0, 0.0)
+    if mirrored:
+        # The power of a real opening is even: rows above the axis, with as many columns on either side.
+        v = v[: rows // 2 + 1]
+        u = (np.arange(columns // 2 * 2 + 1) - columns // 2) * (grid.spacing[1] * unit)
+    out = np.empty((rows, columns, 3), dtype=np.float32)
     # F is in units of the width squared, and |F|² in its fourth power.
-    return out * np.float32(unit**4)
+    _kernels_coherence.fill_power(
+        u, v, vertices, following, weights, limits, widths, *tables, STEPS, scale * unit**4, mirrored, out
+    )
+    return out
+
+
+@dataclass(frozen=True)
+class _Blur:
+    """What a value is averaged over: a box pixel and the disc of the light, in cycles per width."""
+
+    x: float
+    y: float
+    radius: float
+
+    def transform(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the blur's own Fourier transform at differences (..., 2) of places."""
+        x, y = difference[..., 0], difference[..., 1]
+        box = np.sinc(x * self.x) * np.sinc(y * self.y)
+        if self.radius == 0:
+            return np.asarray(box)
+        turn = 2 * np.pi * self.radius * np.hypot(x, y)
+        safe = np.where(turn < 1e-6, 1.0, turn)
+        return np.asarray(box * np.where(turn < 1e-6, 1.0, 2 * special.j1(safe) / safe))
+
+    def mean_square(self, edges: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the mean of (q·e)² over the blur about its centre, for edges (V, 2)."""
+        square = edges**2
+        box = square @ np.array([self.x**2, self.y**2]) / 12
+        return np.asarray(box + self.radius**2 / 4 * square.sum(axis=1))
 
 
 def _edges(aperture: Aperture) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
@@ -125,51 +165,105 @@ def _edges(aperture: Aperture) -> tuple[NDArray[np.float64], NDArray[np.int64], 
     return np.concatenate(vertices), np.concatenate(following), np.concatenate(weights)
 
 
-def _pair_tables(
+def _tables(
     vertices: NDArray[np.float64],
-    pixel: NDArray[np.float64],
-    ratios: NDArray[np.float64],
-    white: NDArray[np.float64],
-) -> NDArray[np.float32]:
-    """Tabulate Γ for each pair of vertices, shape (V, V, T, 3)."""
-    count = len(vertices)
-    difference = vertices[:, None] - vertices[None]
-    pixelled = np.sinc(difference[..., None, 0] * pixel[0] * ratios) * np.sinc(
-        difference[..., None, 1] * pixel[1] * ratios
-    )
-    cosine = np.cos(2 * np.pi * np.outer(_places(), ratios))
-    weighted = pixelled[..., None] * (white / ratios[:, None] ** 2)
-    flat = np.moveaxis(weighted, 2, 0).reshape(len(ratios), -1)
-    table = (cosine @ flat).reshape(-1, count, count, 3)
-    return np.ascontiguousarray(np.moveaxis(table, 0, 2), dtype=np.float32)
+    edges: NDArray[np.float64],
+    blur: _Blur,
+    reference_wavelength: float,
+    spectrum: Spectrum,
+) -> tuple[
+    NDArray[np.float32],
+    NDArray[np.float64],
+    NDArray[np.float32],
+    NDArray[np.float32],
+    NDArray[np.float64],
+]:
+    """Tabulate Γ of each pair of corners with its reach, A and B of each edge, and Γ(0)."""
+    wavelengths, white = light.quadrature(spectrum, WAVELENGTHS)
+    ratios = reference_wavelength / wavelengths
+    weights = white / ratios[:, None] ** 2
+    total = weights.sum(axis=0)
+    reach = _reach(_waves(ratios.tobytes(), FARTHEST) @ weights, total)
+    length = math.ceil(reach + 1.5 * math.sqrt(12 * float(blur.mean_square(edges).max())))
+    first, second = np.tril_indices(len(vertices), -1)
+    blurred = blur.transform((vertices[first] - vertices[second])[:, None] * ratios[:, None])
+    flat = np.moveaxis(blurred[..., None] * weights, 1, 0).reshape(len(ratios), -1)
+    pairs = _by_channel(_waves(ratios.tobytes(), length) @ flat.astype(np.float32))
+    reaches = np.array([_reach(pair[:, :3], total) for pair in pairs])
+    own, shared = _edge_tables(edges, blur, ratios, white, length)
+    return pairs, reaches, own, shared, total
 
 
 def _edge_tables(
     edges: NDArray[np.float64],
-    pixel: NDArray[np.float64],
+    blur: _Blur,
     ratios: NDArray[np.float64],
     white: NDArray[np.float64],
+    length: int,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Tabulate A and B for each edge, shape (V, T, 3).
+    """Tabulate A and B for each edge, shape (V, T, 4).
 
     A(x) = ∫ cos(2πxy) W_A(y) dy and B(x) = ∫ sin(2πxy) W_B(y) dy over 0 < y < ρ, with
-    W_A = 8π² Σ w (ρ − y) / ρ² and W_B = 2π Σ w / ρ² over the ρ above y; the pixel is a factor of y.
+    W_A = 8π² Σ w (ρ − y) / ρ² and W_B = 2π Σ w / ρ² over the ρ above y; the blur is a factor of y.
     """
-    step = float(ratios.max()) / HEIGHTS
-    y = (np.arange(HEIGHTS) + 0.5) * step
-    above = np.clip((ratios[None] - y[:, None]) / step + 0.5, 0, 1)
-    to_own = 8 * np.pi**2 * (np.maximum(ratios[None] - y[:, None], 0) / ratios**2) @ white
-    to_shared = 2 * np.pi * (above / ratios**2) @ white
-    pixelled = np.sinc(y[:, None] * edges[:, 0] * pixel[0]) * np.sinc(y[:, None] * edges[:, 1] * pixel[1])
-    phase = 2 * np.pi * np.outer(_places(), y)
+    # Heights a little beyond the largest ρ, lest every wavelength has waves of its own.
+    top = math.ceil(8 * float(ratios.max())) / 8
+    heights = max(LEAST_HEIGHTS, HEIGHTS_A_FRINGE * length)
+    step = top / heights
+    y = (np.arange(heights) + 0.5) * step
+    density = np.asarray(white / ratios[:, None] ** 2, dtype=np.float64)
+    beyond, moment = _above(y, ratios, density), _above(y, ratios, density * ratios[:, None])
+    to_own = 8 * np.pi**2 * (moment - y[:, None] * beyond)
+    to_shared = 2 * np.pi * beyond
+    blurred = blur.transform(y[:, None, None] * edges)
+    cosine, sine = _height_waves(top, heights, length)
     tables = []
-    for wave, weight in ((np.cos(phase), to_own), (np.sin(phase), to_shared)):
-        flat = (pixelled[:, :, None] * weight[:, None] * step).reshape(HEIGHTS, -1)
-        table = (wave @ flat).reshape(-1, len(edges), 3)
-        tables.append(np.ascontiguousarray(np.moveaxis(table, 0, 1), dtype=np.float32))
+    for wave, weight in ((cosine, to_own), (sine, to_shared)):
+        flat = (blurred[:, :, None] * weight[:, None] * step).reshape(heights, -1)
+        tables.append(_by_channel(wave @ flat.astype(np.float32)))
     return tables[0], tables[1]
 
 
-def _places() -> NDArray[np.float64]:
-    """Return the abscissas of the tables, one step before zero for the cubic's sake."""
-    return np.arange(-1, REACH * STEPS + 2) / STEPS
+def _above(
+    heights: NDArray[np.float64], ratios: NDArray[np.float64], density: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the sum (Y, 3) of a density (W, 3) over the ρ above each height, as if it were continuous."""
+    order = np.argsort(ratios)
+    rising, parts = ratios[order], density[order]
+    # At its own ρ, half of each part lies above.
+    running = np.cumsum(parts[::-1], axis=0)[::-1] - parts / 2
+    ends = running[0] + parts[0] / 2
+    return np.stack(
+        [np.interp(heights, rising, running[:, c], left=ends[c], right=0.0) for c in range(3)], axis=1
+    )
+
+
+def _by_channel(columns: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Lay tables (T, N × 3) out one after the other, with room for a fourth channel: (N, T, 4)."""
+    out = np.zeros((columns.shape[1] // 3, len(columns), 4), dtype=np.float32)
+    out[..., :3] = np.moveaxis(columns.reshape(len(columns), -1, 3), 1, 0)
+    return out
+
+
+def _reach(coarse: NDArray[np.floating], total: NDArray[np.float64]) -> float:
+    """Return from where a table (T, 3) stays negligible, in fringes."""
+    lives = np.flatnonzero(np.any(np.abs(coarse) > NEGLIGIBLE * total, axis=1))
+    return float(lives[-1]) / STEPS if lives.size else 0.0
+
+
+def _places(length: int) -> NDArray[np.float64]:
+    """Return the abscissas of coarse tables, one step before zero and two beyond for the cubic's sake."""
+    return np.arange(-1, length * STEPS + 2) / STEPS
+
+
+@lru_cache(maxsize=8)
+def _waves(ratios: bytes, length: int) -> NDArray[np.float32]:
+    """Return cos(2πρs) at the places of a table of so many fringes, shape (T, W)."""
+    return np.cos(2 * np.pi * np.outer(_places(length), np.frombuffer(ratios))).astype(np.float32)
+
+
+@lru_cache(maxsize=4)
+def _height_waves(top: float, heights: int, length: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return cos(2πxy) and sin(2πxy) at a table's places and the heights' middles."""
+    phase = 2 * np.pi * np.outer(_places(length), (np.arange(heights) + 0.5) * (top / heights))
+    return np.cos(phase).astype(np.float32), np.sin(phase).astype(np.float32)

@@ -18,31 +18,21 @@ from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import light, refuse
-from aureole.diffraction import autocorrelation, coherence
-from aureole.diffraction.far import MOST_EDGES, check_grid, far_field
-from aureole.diffraction.polygons import add_polygons_power
+from aureole.diffraction import autocorrelation, coherence, core, pixels
+from aureole.diffraction.far import check_grid
+from aureole.diffraction.pixels import REFERENCE_WAVELENGTH, SHORTEST, node_counts
 from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
 
-Outer = Callable[[Aperture, Grid, Spectrum, str], NDArray[np.float32]]
+Way = Callable[[Aperture, Grid, Spectrum, str], Iterator[Stage]]
 METHODS = ("auto", "exact", "scaled", "coherence")
 SAMPLES = ("area", "point")
-SHORTEST, LONGEST = 380e-9, 780e-9
-REFERENCE_WAVELENGTH = math.sqrt(SHORTEST * LONGEST)
 EXACT_WAVELENGTHS = 81
-CORE_WAVELENGTHS = 81
 OUTER_WAVELENGTHS = 161
-# The core reaches so many of the pattern's finest fringes, and at least so many pixels; its pattern has
-# so many samples a fringe, fewer where it would have more than MOST_FINE along its radius.
-CORE_CYCLES = 16.0
-CORE_PIXELS = 16
-FINE_SAMPLES = 12.0
-COARSEST_SAMPLES = 1.5
-MOST_FINE = 2048
-# Up to so many Gauss-Legendre nodes a pixel are worth their accuracy; where fringes are more, midpoints do.
-MOST_NODES = 12
-MIDPOINTS = 4.0
-# A pixel of more fringes than this holds all but a trace of the energy: what the others leave.
-MOST_FRINGES = MOST_FINE / (COARSEST_SAMPLES * FINE_SAMPLES)
+# The core of "scaled" reaches so many of the pattern's finest fringes, and at least so many pixels;
+# that of "coherence" can be smaller, in a ring of finely divided pixels.
+SCALED_CORE = (16.0, 16)
+COHERENT_CORE = (5.0, 5)
+RING, DIVISION = 16.0, 5
 # Outside the core a pixel is sampled no finer than this along each axis.
 MOST_OUTER_NODES = 6
 # One wavelength by itself may cost more, and most in the pixels about the axis.
@@ -121,11 +111,8 @@ def starburst_stages(
             f"method '{method}' takes one pattern for all wavelengths and this aperture has a wavefront, "
             "whose phase is another at each; use method 'exact'."
         )
-    if method == "exact":
-        yield from _exact(aperture, grid, spectrum, sample)
-    else:
-        outer = _coherent if method == "coherence" else _outer
-        yield from _with_core(aperture, grid, spectrum, sample, outer)
+    ways: dict[str, Way] = {"exact": _exact, "scaled": _scaled, "coherence": _coherent}
+    yield from ways[method](aperture, grid, spectrum, sample)
 
 
 def _choose(aperture: Aperture, spectrum: Spectrum) -> str:
@@ -137,195 +124,109 @@ def _choose(aperture: Aperture, spectrum: Spectrum) -> str:
 
 
 def _exact(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> Iterator[Stage]:
+    """Transform every wavelength at its own scale."""
     wavelengths, weights = light.quadrature(spectrum, EXACT_WAVELENGTHS)
     total = np.zeros((*grid.shape, 3))
     for index, (wavelength, weight) in enumerate(zip(wavelengths, weights, strict=True)):
         yield Stage(index / len(wavelengths), f"starburst at {wavelength * 1e9:.0f} nm")
         total += _fractions(aperture, grid, float(wavelength), sample)[..., None] * weight
-    if sample == "area":
-        _leave_rest_to_axis(aperture, grid, spectrum, total)
-    yield Stage(1.0, "starburst", Picture(total.astype(np.float32), "xyz"))
+    yield _finished(aperture, grid, spectrum, sample, total)
 
 
-def _with_core(
-    aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str, outer: Outer
-) -> Iterator[Stage]:
+def _scaled(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> Iterator[Stage]:
+    """Look all wavelengths up in one pattern, and in a finer one in the core."""
     yield Stage(0.0, "starburst's core")
-    core_grid = _core_grid(aperture, grid)
-    core = _core(aperture, core_grid, spectrum, sample)
+    reach = core.reach(aperture, grid, *SCALED_CORE)
+    part = core.part_within(grid, reach)
+    middle = core.from_pattern(aperture, part, spectrum, sample)
     yield Stage(0.2, "starburst's rays")
-    total = outer(aperture, grid, spectrum, sample)
-    yield Stage(0.9, "starburst, joining the two")
-    _join(total, core, grid, core_grid, _core_reach(aperture, grid))
+    total = _outer(aperture, grid, spectrum, sample)
+    core.join(total, middle, grid, part, reach)
+    yield _finished(aperture, grid, spectrum, sample, total)
+
+
+def _coherent(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> Iterator[Stage]:
+    """Sum all wavelengths in closed form, on divided pixels about the axis, and look the core up."""
+    yield Stage(0.0, "starburst's rays")
+    total = _closed_form(aperture, grid, spectrum, sample)
+    yield Stage(0.7, "starburst's core")
+    inner = core.reach(aperture, grid, *COHERENT_CORE)
     if sample == "area":
-        _leave_rest_to_axis(aperture, grid, spectrum, total)
-    yield Stage(1.0, "starburst", Picture(total, "xyz"))
+        ring = core.part_within(grid, (RING, RING))
+        core.join(total, _divided(aperture, ring, spectrum), grid, ring, (RING, RING))
+    part = core.part_within(grid, inner)
+    core.join(total, core.from_pattern(aperture, part, spectrum, sample), grid, part, inner)
+    yield _finished(aperture, grid, spectrum, sample, total)
 
 
-def _core_reach(aperture: Aperture, grid: Grid) -> tuple[float, float]:
-    """Return the core's radius in pixels, along rows and columns."""
-    reaches = []
-    for spacing in grid.spacing:
-        fringes = aperture.width * spacing / SHORTEST
-        wanted = max(CORE_CYCLES / fringes, CORE_PIXELS)
-        # A pixel of very many fringes leaves room for few pixels.
-        reaches.append(max(1.5, min(wanted, MOST_FINE / (FINE_SAMPLES * fringes))))
-    return reaches[0], reaches[1]
-
-
-def _core_grid(aperture: Aperture, grid: Grid, reaches: tuple[float, float] | None = None) -> Grid:
-    """Return the pixels of a grid within a radius about the axis, in pixels; the core's unless given."""
-    shape, centre = [], []
-    reaches = _core_reach(aperture, grid) if reaches is None else reaches
-    for count, spacing, middle, reach in zip(grid.shape, grid.spacing, grid.centre, reaches, strict=True):
-        first = -(count // 2) + middle / spacing
-        low = max(0, math.floor(-reach - first))
-        high = min(count, math.ceil(reach - first) + 1)
-        length = max(high - low, 0)
-        shape.append(length)
-        centre.append((first + low + length // 2) * spacing)
-    return Grid((shape[0], shape[1]), grid.spacing, (centre[0], centre[1]))
-
-
-def _core(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
-    """Sum the wavelengths from a pattern that samples every fringe finely."""
-    if 0 in grid.shape:
-        return np.zeros((*grid.shape, 3), dtype=np.float32)
-    wavelength = REFERENCE_WAVELENGTH
-    pattern = _fine_pattern(aperture, grid, wavelength)
-    counts = _node_counts(aperture, grid, SHORTEST, sample)
-    if max(counts) > MOST_NODES:
-        total = _mean_of_midpoints(pattern, grid, spectrum, _midpoint_counts(aperture, grid))
-    else:
-        total = np.zeros((*grid.shape, 3), dtype=np.float32)
-        for shifted, weight in _shifted(grid, counts):
-            total += weight * _summed(pattern, shifted, spectrum, CORE_WAVELENGTHS)
-    return total * _pixel_share(aperture, grid, wavelength)
-
-
-def _fine_pattern(aperture: Aperture, grid: Grid, wavelength: float) -> Pattern:
-    """Return a pattern that reaches as far as the shortest wavelength looks, and two samples more."""
-    steps, counts = [], []
-    for axis, spacing in zip(grid.axes(), grid.spacing, strict=True):
-        reach = (np.abs(axis).max() + spacing / 2) / SHORTEST
-        step = max(1 / (FINE_SAMPLES * aperture.width), reach / MOST_FINE)
-        steps.append(min(step, 1 / (COARSEST_SAMPLES * aperture.width)))
-        counts.append(2 * (math.ceil(reach / steps[-1]) + 2) + 1)
-    fine = Grid((counts[0], counts[1]), (steps[0], steps[1]))
-    return Pattern(_centred_mean(aperture, fine, (1, 1)), fine, wavelength, apertures.energy(aperture))
-
-
-def _midpoint_counts(aperture: Aperture, grid: Grid) -> tuple[int, int]:
-    """Return how many midpoints along each axis follow a pixel's many fringes."""
-    rows, columns = (
-        max(1, min(math.ceil(MIDPOINTS * aperture.width * spacing / SHORTEST), 2 * MOST_FINE // count))
-        for spacing, count in zip(grid.spacing, grid.shape, strict=True)
-    )
-    return rows, columns
-
-
-def _mean_of_midpoints(
-    pattern: Pattern, grid: Grid, spectrum: Spectrum, counts: tuple[int, int]
-) -> NDArray[np.float32]:
-    """Sum the wavelengths at the midpoints of equal parts of each pixel, and average."""
-    (rows, columns), (many_y, many_x) = grid.shape, counts
-    fine = (grid.spacing[0] / many_y, grid.spacing[1] / many_x)
-    first = [
-        axis[0] - pixel / 2 + step / 2
-        for axis, pixel, step in zip(grid.axes(), grid.spacing, fine, strict=True)
-    ]
-    shape = (rows * many_y, columns * many_x)
-    centre = (float(first[0] + shape[0] // 2 * fine[0]), float(first[1] + shape[1] // 2 * fine[1]))
-    values = _summed(pattern, Grid(shape, fine, centre), spectrum, CORE_WAVELENGTHS)
-    parts = values.reshape(rows, many_y, columns, many_x, 3)
-    return np.asarray(parts.mean(axis=(1, 3)), dtype=np.float32)
+def _finished(
+    aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str, total: NDArray[np.floating]
+) -> Stage:
+    if sample == "area":
+        core.leave_rest_to_axis(aperture, grid, spectrum, total)
+    return Stage(1.0, "starburst", Picture(total.astype(np.float32, copy=False), "xyz"))
 
 
 def _outer(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
     """Sum the wavelengths from a pattern on the pixels themselves, each sampled at a few nodes."""
     wavelength = REFERENCE_WAVELENGTH
     stretch = wavelength / SHORTEST
-    spacing = (grid.spacing[0] / wavelength, grid.spacing[1] / wavelength)
     counts = [
         2 * (math.ceil(np.abs(axis).max() / step * stretch) + 1) + 1
         for axis, step in zip(grid.axes(), grid.spacing, strict=True)
     ]
-    wide = Grid((counts[0], counts[1]), spacing)
-    nodes = _node_counts(aperture, grid, wavelength, sample, _most_nodes(aperture, wide))
-    pattern = Pattern(_centred_mean(aperture, wide, nodes), wide, wavelength, apertures.energy(aperture))
-    total = _summed(pattern, grid, spectrum, OUTER_WAVELENGTHS)
-    return total * _pixel_share(aperture, grid, wavelength)
+    wide = pixels.in_frequency(Grid((counts[0], counts[1]), grid.spacing), wavelength)
+    nodes = node_counts(aperture, grid, wavelength, sample, _most_nodes(aperture, wide))
+    power = pixels.centred_mean(aperture, wide, nodes)
+    picture = light.spectral_sum(
+        Pattern(power, wide, wavelength, apertures.energy(aperture)),
+        wavelength,
+        spectrum,
+        grid=pixels.in_frequency(grid, wavelength),
+        samples=OUTER_WAVELENGTHS,
+        interpolation="cubic",
+        symmetric=grid.centre == (0.0, 0.0),
+    )
+    return picture.pixels * np.float32(pixels.share(aperture, grid, wavelength))
 
 
-def _coherent(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
-    """Sum all wavelengths in closed form, half the plane where the other half mirrors it."""
-    wavelength = REFERENCE_WAVELENGTH
-    pixel = (grid.spacing[0] / wavelength, grid.spacing[1] / wavelength) if sample == "area" else (0.0, 0.0)
-    (rows, columns), mirrored = grid.shape, grid.centre == (0.0, 0.0)
-    part = _ending_at_axis(Grid((rows // 2 + 1, columns // 2 * 2 + 1), grid.spacing)) if mirrored else grid
-    total = coherence.coherent_power(aperture, _in_frequency(part, wavelength), wavelength, spectrum, pixel)
-    if mirrored:
-        lower = total[1 - rows % 2 : rows // 2][::-1, ::-1]
-        total = np.concatenate([total[:, :columns], lower[:, :columns]])
-    return total * _pixel_share(aperture, grid, wavelength)
+def _closed_form(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
+    """Sum all wavelengths in closed form."""
+    frequencies = pixels.in_frequency(grid, REFERENCE_WAVELENGTH)
+    pixel = frequencies.spacing if sample == "area" else (0.0, 0.0)
+    scale = pixels.share(aperture, grid, REFERENCE_WAVELENGTH)
+    return coherence.coherent_power(aperture, frequencies, REFERENCE_WAVELENGTH, spectrum, pixel, scale=scale)
 
 
-def _join(
-    total: NDArray[np.float32],
-    core: NDArray[np.float32],
-    grid: Grid,
-    part: Grid,
-    reach: tuple[float, float],
-) -> None:
-    """Lay the core over the rest, fading from one to the other in the outer third of its radius."""
-    if not core.size:
-        return
-    rows, columns = part.axes()
-    top, left = _place(part, grid)
-    radius = np.hypot(rows[:, None] / (reach[0] * grid.spacing[0]), columns / (reach[1] * grid.spacing[1]))
-    share = np.clip((1 - radius) * 3, 0, 1)
-    blend = (share * share * (3 - 2 * share)).astype(np.float32)[..., None]
-    window = total[top : top + part.shape[0], left : left + part.shape[1]]
-    # Where the core alone counts, the closed form may be as large as 1 / |q|⁴ makes it.
-    outside = np.where(blend == 1, core, window)
-    window[...] = outside + blend * (core - outside)
-
-
-def _place(part: Grid, grid: Grid) -> tuple[int, int]:
-    """Return the row and column of a grid at which a part of it begins."""
-    if not all(part.shape):
-        return 0, 0
-    (rows, columns), (all_rows, all_columns) = part.axes(), grid.axes()
-    top = (rows[0] - all_rows[0]) / grid.spacing[0]
-    left = (columns[0] - all_columns[0]) / grid.spacing[1]
-    return round(top), round(left)
-
-
-def _leave_rest_to_axis(
-    aperture: Aperture, grid: Grid, spectrum: Spectrum, total: NDArray[np.floating]
-) -> None:
-    """Give the pixel on the axis what the others leave, where pixels hold very many fringes."""
-    (rows, columns), spacing = grid.axes(), grid.spacing
-    row, column = int(np.argmin(np.abs(rows))), int(np.argmin(np.abs(columns)))
-    on_axis = abs(rows[row]) < 0.25 * spacing[0] and abs(columns[column]) < 0.25 * spacing[1]
-    if min(spacing) * aperture.width / SHORTEST > MOST_FRINGES and on_axis:
-        total[row, column] = 0
-        total[row, column] = np.maximum(light.white(spectrum) - total.sum(axis=(0, 1)), 0)
+def _divided(aperture: Aperture, grid: Grid, spectrum: Spectrum) -> NDArray[np.float32]:
+    """Sum all wavelengths in closed form on equal parts of each pixel."""
+    rows, columns = grid.shape
+    if 0 in grid.shape:
+        return np.zeros((rows, columns, 3), dtype=np.float32)
+    spacing = (grid.spacing[0] / DIVISION, grid.spacing[1] / DIVISION)
+    # At even counts the middle sample is the first part of its pixel, not the middle one.
+    y, x = (
+        middle - (0 if count % 2 else DIVISION // 2) * step
+        for middle, count, step in zip(grid.centre, grid.shape, spacing, strict=True)
+    )
+    fine = Grid((rows * DIVISION, columns * DIVISION), spacing, (y, x))
+    parts = _closed_form(aperture, fine, spectrum, "area").reshape(rows, DIVISION, columns, DIVISION, 3)
+    return np.asarray(parts.sum(axis=(1, 3)))
 
 
 def _fractions(aperture: Aperture, grid: Grid, wavelength: float, sample: str) -> NDArray[np.float32]:
     """Return each pixel's share of the energy at one wavelength."""
     if aperture.wavefront is not None and sample == "area":
-        mean = autocorrelation.mean_power(aperture, _in_frequency(grid, wavelength), wavelength)
-        return mean * _pixel_share(aperture, grid, wavelength)
+        mean = autocorrelation.mean_power(aperture, pixels.in_frequency(grid, wavelength), wavelength)
+        return mean * np.float32(pixels.share(aperture, grid, wavelength))
     mean = _mean_power(aperture, grid, wavelength, sample, MOST_EXACT_NODES)
-    if max(_node_counts(aperture, grid, wavelength, sample)) > MOST_EXACT_NODES:
+    if max(node_counts(aperture, grid, wavelength, sample)) > MOST_EXACT_NODES:
         # Fewer nodes do outside the core, where many fringes are alike.
-        part = _core_grid(aperture, grid, EXACT_CORE)
-        top, left = _place(part, grid)
+        part = core.part_within(grid, EXACT_CORE)
+        top, left = core.place(part, grid)
         accurate = _mean_power(aperture, part, wavelength, sample, MOST_CORE_NODES)
         mean[top : top + part.shape[0], left : left + part.shape[1]] = accurate
-    return mean * _pixel_share(aperture, grid, wavelength)
+    return mean * np.float32(pixels.share(aperture, grid, wavelength))
 
 
 def _mean_power(
@@ -333,99 +234,12 @@ def _mean_power(
 ) -> NDArray[np.float32]:
     mean = np.zeros(grid.shape, dtype=np.float32)
     if mean.size:
-        for shifted, weight in _shifted(grid, _node_counts(aperture, grid, wavelength, sample, most)):
-            _add_power(aperture, _in_frequency(shifted, wavelength), weight, mean, wavelength)
+        for moved, weight in pixels.shifted(grid, node_counts(aperture, grid, wavelength, sample, most)):
+            pixels.add_power(aperture, pixels.in_frequency(moved, wavelength), weight, mean, wavelength)
     return mean
-
-
-def _pixel_share(aperture: Aperture, grid: Grid, wavelength: float) -> np.float32:
-    """Return what turns |F|² into a pixel's share of the energy: its area over λ² ∬|f|²."""
-    pixel = grid.spacing[0] * grid.spacing[1]
-    return np.float32(pixel / (wavelength**2 * apertures.energy(aperture)))
-
-
-def _node_counts(
-    aperture: Aperture, grid: Grid, wavelength: float, sample: str, most: int = 1 << 30
-) -> tuple[int, int]:
-    """Return how many Gauss-Legendre nodes integrate the fringes across a pixel, by rows and columns.
-
-    |F|² has no fringe finer than the width allows: c = width × pixel / λ cycles in a pixel. Gauss's
-    rule follows them from π c / 2 nodes on; three more bring the error below 1e-4.
-    """
-    if sample == "point":
-        return 1, 1
-    cycles = [aperture.width * spacing / wavelength for spacing in grid.spacing]
-    rows, columns = (min(most, math.ceil(math.pi * c / 2) + 3) for c in cycles)
-    return rows, columns
 
 
 def _most_nodes(aperture: Aperture, grid: Grid) -> int:
     edges = sum(len(ring.vertices) * (8 if np.any(ring.bulges) else 1) for ring in aperture.outlines)
     samples = grid.shape[0] * grid.shape[1] / 2 * max(edges, 8)
     return max(2, min(MOST_OUTER_NODES, int(math.sqrt(OUTER_BUDGET / samples))))
-
-
-def _shifted(grid: Grid, counts: tuple[int, int]) -> Iterator[tuple[Grid, float]]:
-    """Yield the grid moved to each node of a Gauss-Legendre rule over its pixel, with the weight."""
-    (nodes_y, weights_y), (nodes_x, weights_x) = (np.polynomial.legendre.leggauss(n) for n in counts)
-    for node_y, weight_y in zip(nodes_y, weights_y, strict=True):
-        for node_x, weight_x in zip(nodes_x, weights_x, strict=True):
-            y = grid.centre[0] + node_y / 2 * grid.spacing[0]
-            x = grid.centre[1] + node_x / 2 * grid.spacing[1]
-            yield Grid(grid.shape, grid.spacing, (float(y), float(x))), float(weight_y * weight_x / 4)
-
-
-def _centred_mean(aperture: Aperture, grid: Grid, counts: tuple[int, int]) -> NDArray[np.float32]:
-    """Return the mean of |F|² over each pixel of an odd, centred grid in frequency.
-
-    |F(−q)|² = |F(q)|² for a real aperture, so the upper half is computed and turned.
-    """
-    rows, columns = grid.shape
-    upper = _ending_at_axis(Grid((rows // 2 + 1, columns), grid.spacing))
-    mean = np.zeros(upper.shape, dtype=np.float32)
-    for shifted, weight in _shifted(upper, counts):
-        _add_power(aperture, shifted, weight, mean)
-    return np.concatenate([mean, mean[-2::-1, ::-1]])
-
-
-def _ending_at_axis(grid: Grid) -> Grid:
-    """Return the grid moved along y so that its last row lies at zero."""
-    last = (grid.shape[0] - 1 - grid.shape[0] // 2) * grid.spacing[0]
-    return Grid(grid.shape, grid.spacing, (-last, grid.centre[1]))
-
-
-def _add_power(
-    aperture: Aperture,
-    grid: Grid,
-    weight: float,
-    mean: NDArray[np.float32],
-    wavelength: float | None = None,
-) -> None:
-    """Add weight × |F|² at the samples of a grid in frequency; a wavefront needs the wavelength."""
-    edges = sum(len(ring.vertices) for ring in aperture.outlines)
-    if aperture.mask is None and edges <= MOST_EDGES:
-        add_polygons_power(aperture, grid, weight, mean)
-        return
-    amplitude = far_field(aperture, grid, wavelength=wavelength).amplitude
-    mean += np.float32(weight) * np.asarray(amplitude.real**2 + amplitude.imag**2, dtype=np.float32)
-
-
-def _summed(pattern: Pattern, grid: Grid, spectrum: Spectrum, samples: int) -> NDArray[np.float32]:
-    """Sum a pattern over wavelengths at the pixels of a grid in direction cosines."""
-    frequencies = _in_frequency(grid, pattern.wavelength)
-    picture = light.spectral_sum(
-        pattern,
-        pattern.wavelength,
-        spectrum,
-        grid=frequencies,
-        samples=samples,
-        interpolation="cubic",
-        symmetric=grid.centre == (0.0, 0.0),
-    )
-    return picture.pixels
-
-
-def _in_frequency(grid: Grid, wavelength: float) -> Grid:
-    """Return the frequencies s / λ of a grid in direction cosines."""
-    (step_y, step_x), (y, x) = grid.spacing, grid.centre
-    return Grid(grid.shape, (step_y / wavelength, step_x / wavelength), (y / wavelength, x / wavelength))

@@ -25,7 +25,7 @@ from aureole.light.spaces import (
     to_xyz,
 )
 from aureole.light.spectra import black_body, line, spectrum
-from aureole.light.spectral import METHODS, spectral_sum
+from aureole.light.spectral import METHODS, spectral_sum, spectral_sum_at
 
 __all__ = [
     "ILLUMINANTS",
@@ -44,6 +44,7 @@ __all__ = [
     "quadrature",
     "space_from_primaries",
     "spectral_sum",
+    "spectral_sum_at",
     "spectrum",
     "to_xyz",
     "tristimulus",

@@ -89,6 +89,46 @@ def spectral_sum(
     return Picture(pixels.astype(np.float32, copy=False), "xyz", {WHITE_KEY: light_white})
 
 
+def spectral_sum_at(
+    pattern: Pattern,
+    spectrum: Spectrum,
+    rows: NDArray[np.float64],
+    columns: NDArray[np.float64],
+    samples: int = DEFAULT_SAMPLES,
+    interpolation: str = "linear",
+) -> NDArray[np.float32]:
+    """Add up a diffraction pattern over wavelengths where chosen rows and columns cross.
+
+    Parameters
+    ----------
+    pattern : Pattern
+        As for `spectral_sum`.
+    spectrum : Spectrum
+        The light.
+    rows, columns : ndarray of float64, shapes (R,) and (C,)
+        Frequencies, rising, at any distances.
+    samples : int
+        Number of wavelengths.
+    interpolation : {"linear", "cubic"}
+        Between the pattern's samples.
+
+    Returns
+    -------
+    ndarray of float32, shape (R, C, 3)
+        XYZ.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where an input is not as described.
+    """
+    refuse.one_of("interpolation", interpolation, TAPS)
+    wavelengths, weights = quadrature(spectrum, samples)
+    out = np.empty((len(rows), len(columns), 3), dtype=np.float32)
+    _adder(pattern, pattern.wavelength / wavelengths, weights, TAPS[interpolation])(rows, columns, out)
+    return out
+
+
 def _reference(
     source: Pattern | Analytic,
     grid: Grid,
