@@ -110,12 +110,13 @@ def coherent_power(
     # Within so many fringes or pixels of its streak an edge is averaged over the pixel by itself.
     widths = blur.mean_square(edges)
     limits = np.maximum(NEAR_FRINGES, NEAR_PIXELS * np.sqrt(12 * widths))
-    (v, u), (rows, columns) = (axis * unit for axis in grid.axes()), grid.shape
+    v, u = (axis * unit for axis in grid.axes())
+    rows, columns = grid.shape
     mirrored = grid.centre == (0.0, 0.0)
     if mirrored:
         # The power of a real opening is even: rows above the axis, with as many columns on either side.
         v = v[: rows // 2 + 1]
-        u = (np.arange(columns // 2 * 2 + 1) - columns // 2) * (grid.spacing[1] * unit)
+        u = np.asarray(np.arange(-(columns // 2), columns // 2 + 1) * (grid.spacing[1] * unit), np.float64)
     out = np.empty((rows, columns, 3), dtype=np.float32)
     # F is in units of the width squared, and |F|² in its fourth power.
     _kernels_coherence.fill_power(
@@ -180,7 +181,7 @@ def _tables(
 ]:
     """Tabulate Γ of each pair of corners with its reach, A and B of each edge, and Γ(0)."""
     wavelengths, white = light.quadrature(spectrum, WAVELENGTHS)
-    ratios = reference_wavelength / wavelengths
+    ratios: NDArray[np.float64] = reference_wavelength / wavelengths
     weights = white / ratios[:, None] ** 2
     total = weights.sum(axis=0)
     reach = _reach(_waves(ratios.tobytes(), FARTHEST) @ weights, total)
@@ -211,8 +212,11 @@ def _edge_tables(
     heights = max(LEAST_HEIGHTS, HEIGHTS_A_FRINGE * length)
     step = top / heights
     y = (np.arange(heights) + 0.5) * step
-    density = np.asarray(white / ratios[:, None] ** 2, dtype=np.float64)
-    beyond, moment = _above(y, ratios, density), _above(y, ratios, density * ratios[:, None])
+    density: NDArray[np.float64] = white / ratios[:, None] ** 2
+    beyond, moment = (
+        _above(y, ratios, density),
+        _above(y, ratios, np.asarray(white / ratios[:, None], np.float64)),
+    )
     to_own = 8 * np.pi**2 * (moment - y[:, None] * beyond)
     to_shared = 2 * np.pi * beyond
     blurred = blur.transform(y[:, None, None] * edges)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import aperture as apertures
-from aureole.diffraction.far import MOST_EDGES, far_field
+from aureole.diffraction.far import MOST_EDGES, far_power
 from aureole.diffraction.polygons import add_polygons_power
 from aureole.records import Aperture, Grid
 
@@ -177,5 +177,4 @@ def add_power(
     if aperture.mask is None and edges <= MOST_EDGES:
         add_polygons_power(aperture, grid, weight, mean)
         return
-    amplitude = far_field(aperture, grid, wavelength=wavelength).amplitude
-    mean += np.float32(weight) * np.asarray(amplitude.real**2 + amplitude.imag**2, dtype=np.float32)
+    mean += np.float32(weight) * far_power(aperture, grid, wavelength=wavelength)
