@@ -135,6 +135,17 @@ def test_aperture_draws_its_quadtree_in_two_colours(tmp_path, capsys):
     assert red.any() == (told["negative_quads"] > 0)
 
 
+def test_aperture_merges_quads(tmp_path, capsys):
+    words = ["aperture", "--quadtree", "--size", "64", "-o", str(tmp_path / "quads.png"), "--json"]
+    counts = []
+    for flags in ([], ["--merge"]):
+        assert run(words + flags) == 0
+        counts.append(json.loads(capsys.readouterr().out))
+    assert "quads_before_merging" not in counts[0]
+    assert counts[1]["quads_before_merging"] == counts[0]["quads"] > counts[1]["quads"]
+    assert counts[1]["positive_quads"] + counts[1]["negative_quads"] == counts[1]["quads"]
+
+
 def test_demo_writes_its_files(tmp_path, capsys):
     folder = tmp_path / "new" / "demo"
     assert run(["demo", "--folder", str(folder), "--size", "192x108", "--json"]) == 0

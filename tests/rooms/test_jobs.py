@@ -120,6 +120,18 @@ def test_what_is_no_job_is_a_programmers_mistake():
         jobs.run("glare")
 
 
+def test_a_photograph_as_an_aperture_is_told_what_quads_cost(tmp_path):
+    noise = np.random.default_rng(4).random((256, 256, 1), dtype=np.float32)
+    picture.write(tmp_path / "noise.exr", Picture(np.repeat(noise, 3, axis=2)))
+    opening = jobs.Opening(picture=str(tmp_path / "noise.exr"))
+    job = jobs.ApertureJob(opening, size=256, quadtree=True)
+    result = jobs.finish(jobs.run(job))
+    assert result.report["quads"] > 0.9 * 256**2
+    assert "quads do not pay here" in result.report["note"]
+    assert result.picture.pixels.shape == (1537, 1537, 3)
+    assert "note" not in jobs.finish(jobs.run(jobs.ApertureJob(quadtree=True, size=64))).report
+
+
 def test_a_quads_outline_is_one_pixel_wide():
     from aureole.diffraction import quadtree
     from aureole.jobs.drawing import NEGATIVE, POSITIVE, quadtree_drawing

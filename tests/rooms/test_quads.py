@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from aureole import Grid
-from aureole.diffraction import Quads, quadtree
+from aureole.diffraction import Quads, far_field, quadtree
 from aureole.diffraction.quads import box_factors, quads_field, quads_power
+from aureole.records import Aperture
 
 WIDTH = 2e-3
 RELATIVE = 5e-7  # of the sum of the magnitudes
@@ -57,6 +58,15 @@ def test_quads_of_masks(grid, size):
         check(quadtree(mask, WIDTH), grid)
 
 
+@pytest.mark.parametrize("grid", GRIDS)
+def test_merged_quads_have_the_same_field(grid):
+    mask = np.random.default_rng(7).random((40, 40)) < 0.6
+    check(quadtree(mask, WIDTH, merge=True), grid)
+    most = WIDTH**2
+    one, other = (quads_field(quadtree(mask, WIDTH, merge=merge), grid) for merge in (False, True))
+    np.testing.assert_allclose(one, other, rtol=0, atol=RELATIVE * most)
+
+
 def test_mirror_images_cancel_in_the_odd_parts():
     """The transform of a mask mirrored along both axes is real; mirrored to its negative, imaginary."""
     half = (np.random.default_rng(5).random((32, 32)) < 0.4).astype(float)
@@ -76,6 +86,17 @@ def test_narrow_quads_sum_to_their_strip():
     for grid in GRIDS:
         found = quads_field(Quads(strips, np.ones(200)), grid)
         np.testing.assert_allclose(found, quads_field(one, grid), rtol=0, atol=1e-6 * 3e-4 * WIDTH)
+
+
+def test_a_photograph():
+    """As many quads as pixels: slower than a transform of the pixels, and as right."""
+    noise = np.random.default_rng(3).random((512, 512), dtype=np.float32)
+    grid = Grid((64, 63), (1.3 / WIDTH, 0.7 / WIDTH), (0.0, 5 / WIDTH))
+    found = quads_field(quadtree(noise, WIDTH), grid)
+    wanted = far_field(Aperture(WIDTH, mask=noise), grid, "reference").amplitude
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-6 * WIDTH**2)
+    automatic = far_field(Aperture(WIDTH, mask=noise), grid).amplitude
+    np.testing.assert_allclose(automatic, wanted, rtol=0, atol=1e-6 * WIDTH**2)
 
 
 def test_no_quads_no_field():

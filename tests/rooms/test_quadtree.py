@@ -163,6 +163,72 @@ def test_weights_times_areas_add_up_to_the_mask():
     assert total == pytest.approx(mask.mean() * WIDTH**2, rel=1e-12)
 
 
+def merged(mask, finest="full"):
+    size = len(level_mask(mask, finest))
+    quads = quadtree(mask, float(size), finest, merge=True)
+    boxes = quads.rectangles + size / 2
+    return sorted((*box, weight) for box, weight in zip(boxes.tolist(), quads.weights.tolist(), strict=True))
+
+
+def test_rectangles_merge_across_levels():
+    """§7: a square of two pixels and one pixel below it on either side are a column each."""
+    mask = np.zeros((8, 8))
+    mask[2:5, 2:4] = 1
+    assert len(listed(mask)) == 2
+    assert merged(mask) == [(2, 2, 4, 5, 1)]
+    # Over the tree's own middle, where no level could merge.
+    mask = np.zeros((8, 8))
+    mask[1:7, 3:5] = 1
+    assert len(listed(mask)) > 1
+    assert merged(mask) == [(3, 1, 5, 7, 1)]
+
+
+def test_a_negative_quad_cuts_what_it_covers():
+    mask = np.ones((2, 2))
+    mask[1, 1] = 0
+    # It shares no whole side: three lit pixels stay two rectangles.
+    assert merged(mask) == listed(mask)
+    assert merged([[1, 1, 1, 0]] * 4) == [(0, 0, 3, 4, 1)]
+
+
+def test_only_equal_weights_merge():
+    assert merged([[1, 0.5], [0, 0]]) == [(0, 0, 1, 1, 1), (1, 0, 2, 1, 0.5)]
+
+
+@pytest.mark.parametrize("kind", ["binary", "sparse", "dense", "grey", "few greys"])
+@pytest.mark.parametrize("finest", list(FINEST))
+@pytest.mark.parametrize("size", [8, 24, 64, 88])
+def test_merging_keeps_the_mask_and_never_adds_quads(kind, finest, size):
+    mask = mask_of(kind, size, size)
+    quads = quadtree(mask, WIDTH, finest, merge=True)
+    assert len(quads) <= len(quadtree(mask, WIDTH, finest))
+    assert np.all(quads.weights != 0)
+    assert np.all(quads.rectangles[:, :2] < quads.rectangles[:, 2:])
+    exact = 0 if kind != "grey" else 1e-14
+    level = level_mask(mask, finest)
+    np.testing.assert_allclose(paint(quads, len(level), WIDTH), level, rtol=0, atol=exact)
+
+
+@pytest.mark.parametrize("size", [1, 4])
+def test_merging_nothing(size):
+    assert len(quadtree(np.zeros((size, size)), WIDTH, merge=True)) == 0
+    assert len(quadtree(np.ones((size, size)), WIDTH, merge=True)) == 1
+
+
+def test_merging_takes_a_quarter_off_a_disc():
+    rows, columns = np.mgrid[:256, :256] - 127.5
+    disc = (np.hypot(rows, columns) < 100).astype(float)
+    assert len(quadtree(disc, WIDTH, merge=True)) < 0.8 * len(quadtree(disc, WIDTH))
+
+
+def test_a_photograph_takes_a_quad_for_each_pixel():
+    """§7: natural images are where quads lose; memory stays in proportion to the pixels."""
+    noise = np.random.default_rng(2).random((1024, 1024), dtype=np.float32)
+    quads = quadtree(noise, WIDTH)
+    assert 0.9 * noise.size < len(quads) <= noise.size
+    np.testing.assert_allclose(paint(quads, 1024, WIDTH), noise, rtol=0, atol=1e-9)
+
+
 def test_kinds_of_masks():
     for kind in (bool, np.float32, int):
         assert listed(np.eye(2, dtype=kind)) == [(0, 0, 1, 1, 1), (1, 1, 2, 2, 1)]

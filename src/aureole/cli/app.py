@@ -162,6 +162,7 @@ def aperture(
     quadtree: Annotated[
         bool, typer.Option("--quadtree", help="Outline the quads: positive blue, negative red.")
     ] = False,
+    merge: Annotated[bool, typer.Option("--merge", help="Merge quads across the tree's levels.")] = False,
     as_json: options.Json = False,
 ) -> None:
     """Draw an aperture, and count what its transforms cost.
@@ -173,9 +174,11 @@ def aperture(
         aureole aperture --aperture whirl --size 1024 -o whirl.exr --json
 
         aureole aperture --quadtree --size 128 --finest half -o quads.png
+
+        aureole aperture --quadtree --merge --size 128 -o merged.png
     """
     flags = ShapeFlags(shape, blades, curvature, rotation, obstruction, width, height, aperture_picture)
-    runs.aperture(jobs.ApertureJob(flags.opening(), iris, size, finest, quadtree), out, as_json)
+    runs.aperture(jobs.ApertureJob(flags.opening(), iris, size, finest, quadtree, merge), out, as_json)
 
 
 @app.command()

@@ -13,6 +13,9 @@ from aureole.jobs.optics import DEFAULT_CAMERA, Opening
 from aureole.presets import load
 from aureole.records import Aperture, Picture, Stage
 
+# Quads a pixel from which on they do not pay.
+TOO_MANY = 0.25
+
 
 @dataclass(frozen=True)
 class ApertureJob:
@@ -30,6 +33,8 @@ class ApertureJob:
         Finest level of the quadtree whose quads are counted.
     quadtree : bool
         Whether to draw the quads, too.
+    merge : bool
+        Whether to merge quads across the tree's levels.
     """
 
     opening: Opening = field(default_factory=Opening)
@@ -37,6 +42,7 @@ class ApertureJob:
     size: int = 512
     finest: str = "full"
     quadtree: bool = False
+    merge: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,16 +83,22 @@ def run_aperture(job: ApertureJob) -> Iterator[Stage]:
     mask = apertures.rasterize(shape, job.size)
     yield Stage(0.5, "quadtree")
     quads = diffraction.quadtree(mask, shape.width, job.finest)
+    counts = {"quads": len(quads)}
+    if job.merge:
+        quads = diffraction.quadtree(mask, shape.width, job.finest, merge=True)
+        counts = {"quads_before_merging": counts["quads"], "quads": len(quads)}
     report = {
         "aperture": shape.name,
         "size": job.size,
         "open_area_fraction": float(mask.mean(dtype=np.float64)),
         "outlines": len(shape.outlines),
         "edges": sum(len(ring.vertices) for ring in shape.outlines),
-        "quads": len(quads),
+        **counts,
         "positive_quads": int(np.count_nonzero(quads.weights > 0)),
         "negative_quads": int(np.count_nonzero(quads.weights < 0)),
     }
+    if len(quads) > TOO_MANY * (job.size // diffraction.FINEST[job.finest]) ** 2:
+        report["note"] = "nearly a quad for every pixel: quads do not pay here, 'auto' takes a fast transform"
     pixels = np.repeat(mask[..., None], 3, axis=2)
     if job.quadtree:
         pixels = quadtree_drawing(quads, diffraction.level_mask(mask, job.finest), shape.width)
