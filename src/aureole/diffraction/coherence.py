@@ -212,11 +212,8 @@ def _edge_tables(
     heights = max(LEAST_HEIGHTS, HEIGHTS_A_FRINGE * length)
     step = top / heights
     y = (np.arange(heights) + 0.5) * step
-    density: NDArray[np.float64] = white / ratios[:, None] ** 2
-    beyond, moment = (
-        _above(y, ratios, density),
-        _above(y, ratios, np.asarray(white / ratios[:, None], np.float64)),
-    )
+    beyond = _above(y, ratios, white / ratios[:, None] ** 2)
+    moment = _above(y, ratios, white / ratios[:, None])
     to_own = 8 * np.pi**2 * (moment - y[:, None] * beyond)
     to_shared = 2 * np.pi * beyond
     blurred = blur.transform(y[:, None, None] * edges)
@@ -229,7 +226,7 @@ def _edge_tables(
 
 
 def _above(
-    heights: NDArray[np.float64], ratios: NDArray[np.float64], density: NDArray[np.float64]
+    heights: NDArray[np.float64], ratios: NDArray[np.float64], density: NDArray[np.floating]
 ) -> NDArray[np.float64]:
     """Return the sum (Y, 3) of a density (W, 3) over the ρ above each height, as if it were continuous."""
     order = np.argsort(ratios)
