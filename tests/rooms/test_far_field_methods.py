@@ -7,8 +7,9 @@ import pytest
 
 from aureole import Grid, aperture, refuse
 from aureole.diffraction import METHODS, check_grid, far_field, far_power, quadtree
+from aureole.diffraction.polygons import _shape
 from aureole.diffraction.quads import box_factors, quads_field
-from aureole.records import Aperture
+from aureole.records import Aperture, Outline
 
 WIDTH = 2e-3
 OF_PIXELS = ["quads", "rows", "chirpz", "fft"]
@@ -128,6 +129,35 @@ def test_power_of_outlines(method, output):
     for shape in (aperture.iris(7, WIDTH), aperture.iris(6, WIDTH, 0.5), aperture.circle(WIDTH)):
         for centre in ((0.0, 0.0), (11.3 / WIDTH, -27.7 / WIDTH), (0.0, 2.6 / WIDTH)):
             check_power(shape, Grid(output, (0.37 / WIDTH, 0.91 / WIDTH), centre), method)
+
+
+@pytest.mark.parametrize(
+    ("shape", "mirror"),
+    [
+        (aperture.iris(7, WIDTH), -1),  # a corner at +x: top to bottom
+        (aperture.iris(7, WIDTH, rotation=np.pi / 2), 1),
+        (aperture.iris(7, WIDTH, rotation=0.1), 0),
+        (aperture.iris(5, WIDTH, 0.7), -1),
+        (aperture.iris(6, WIDTH, 1.0), 1),
+        (aperture.whirl(WIDTH, 5), 0),
+        (aperture.circle(WIDTH), 1),
+        (aperture.polygon([(0, 0), (WIDTH / 2, 0), (WIDTH / 2, WIDTH / 3)]), 0),
+    ],
+)
+def test_outlines_that_are_their_own_mirror_image(shape, mirror):
+    """A quarter of the plane is enough for them; one bent edge is not missed."""
+    assert _shape(shape).mirror == mirror
+    for size in ((12, 15), (1, 6), (131, 140)):
+        grid = Grid(size, (0.9 / WIDTH, 1.3 / WIDTH))
+        check(shape, grid, "polygons")
+        check_power(shape, grid, "polygons")
+    ring = shape.outlines[0]
+    bulges = ring.bulges.copy()
+    bulges[1 % len(bulges)] += 0.2
+    bent = Aperture(WIDTH, (Outline(ring.vertices, bulges),))
+    grid = Grid((12, 15), (0.9 / WIDTH, 1.3 / WIDTH))
+    check(bent, grid, "polygons")
+    check_power(bent, grid, "polygons")
 
 
 def test_the_reference_has_a_power_in_float64():

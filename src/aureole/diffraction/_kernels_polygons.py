@@ -31,6 +31,7 @@ from aureole.diffraction._kernels_arcs import (
     WAVE,
     line_through,
 )
+from aureole.diffraction._kernels_rows import write_both, write_powers
 
 # Below this phase per edge (radians) the quotient of the edge is summed as a series.
 SMALL_PHASE = 0.25
@@ -68,10 +69,9 @@ def fill_field(
     core: NDArray[np.complex64],
     corner: tuple[int, int],
     scale: np.float32,
-    turned: bool,
     out: NDArray[np.complex64],
 ) -> None:
-    """Fill rows of a plane with scale × the far field.
+    """Fill a plane with scale × the far field.
 
     Parameters
     ----------
@@ -83,14 +83,65 @@ def fill_field(
         As said.
     scale : float32
         Factor.
-    turned : bool
-        Whether the rows below the central one are the conjugate of those above, turned by 180°
-        about the central sample.
-    out : ndarray of complex64, shape (rows, columns)
-        Its first R rows are filled, and those turned from them.
+    out : ndarray of complex64, shape (R, columns)
+        Filled.
     """
     for row in numba.prange(len(waves.v)):
-        _fill_row(waves, core, corner, scale, turned, np.int64(row), out)
+        line = np.empty((2, len(waves.u)), np.float32)
+        _fill_line(waves, core, corner, np.int64(row), line)
+        for j in range(out.shape[1]):
+            out[row, j] = complex(line[0, j] * scale, line[1, j] * scale)
+
+
+@numba.njit(parallel=True, cache=True)
+def fill_centred_field(
+    waves: Waves,
+    core: NDArray[np.complex64],
+    corner: tuple[int, int],
+    scale: np.float32,
+    mirror: int,
+    out: NDArray[np.complex64],
+) -> None:
+    """Fill a plane centred on the frequency zero with scale × the far field.
+
+    Parameters
+    ----------
+    waves : Waves
+        At the frequencies of the rows from zero upwards, and of the columns: from zero upwards where
+        the outlines are mirror-symmetric, else from as far below zero as they go above it.
+    core, corner, scale
+        As of `fill_field`.
+    mirror : int
+        1 where F(−u, v) = F(u, v), −1 where it is the conjugate, 0 where it is neither.
+    out : ndarray of complex64, shape (rows, columns)
+        Filled.
+    """
+    rows, columns = out.shape
+    for row in numba.prange(len(waves.v)):
+        parts = np.empty((4, columns // 2 + 1), np.float32)
+        _fill_parts(waves, core, corner, np.int64(row), scale, mirror, parts)
+        write_both(parts, np.int64(row), rows // 2, columns // 2, out)
+
+
+@numba.njit(parallel=True, cache=True)
+def fill_centred_power(
+    waves: Waves,
+    core: NDArray[np.complex64],
+    corner: tuple[int, int],
+    scale: np.float32,
+    mirror: int,
+    out: F32,
+) -> None:
+    """Fill a centred plane with scale² × the squared modulus; parameters as of `fill_centred_field`."""
+    rows, columns = out.shape
+    for row in numba.prange(len(waves.v)):
+        parts = np.empty((4, columns // 2 + 1), np.float32)
+        power = np.empty((2, columns // 2 + 1), np.float32)
+        _fill_parts(waves, core, corner, np.int64(row), scale, mirror, parts)
+        sides = 1 if mirror else 2
+        for side in range(sides):
+            _square(parts[2 * side], parts[2 * side + 1], power[side])
+        write_powers(power[0], power[sides - 1], np.int64(row), rows // 2, columns // 2, out)
 
 
 @numba.njit(parallel=True, cache=True)
@@ -107,29 +158,50 @@ def add_power(
 
 
 @numba.njit(cache=True)
-def _fill_row(
+def _fill_line(
+    waves: Waves, core: NDArray[np.complex64], corner: tuple[int, int], row: np.int64, line: F32
+) -> None:
+    """Fill a row's real and imaginary parts, whole tiles."""
+    sums = np.zeros(SIZE, np.float32)
+    for low in range(0, line.shape[1], TILE):
+        _tile(waves, core, corner, row, low, sums)
+        line[0, low : low + TILE] = sums[FIELD : FIELD + TILE]
+        line[1, low : low + TILE] = sums[FIELD + TILE : FIELD + 2 * TILE]
+
+
+@numba.njit(cache=True)
+def _fill_parts(
     waves: Waves,
     core: NDArray[np.complex64],
     corner: tuple[int, int],
-    scale: np.float32,
-    turned: bool,
     row: np.int64,
-    out: NDArray[np.complex64],
+    scale: np.float32,
+    mirror: int,
+    parts: F32,
 ) -> None:
-    """Fill a row, and the one turned from it."""
-    rows, columns = out.shape
-    sums = np.zeros(SIZE, np.float32)
-    below = 2 * (rows // 2) - row
-    for low in range(0, columns, TILE):
-        _tile(waves, core, corner, row, low, sums)
-        real, imag = sums[FIELD : FIELD + TILE], sums[FIELD + TILE : FIELD + 2 * TILE]
-        count = min(TILE, columns - low)
+    """Fill F(u, v) and F(−u, v) of a row: real, imaginary, real, imaginary part."""
+    line = np.empty((2, len(waves.u)), np.float32)
+    _fill_line(waves, core, corner, row, line)
+    count = parts.shape[1]
+    middle = 0 if mirror else count - 1
+    for part in range(2):
+        right, left, source = parts[part], parts[2 + part], line[part]
+        sign = np.float32(mirror if part else 1)
         for j in range(count):
-            out[row, low + j] = complex(real[j] * scale, imag[j] * scale)
-        if turned and row < below < rows:
-            last = 2 * (columns // 2) - low
-            for j in range(max(0, last + 1 - columns), count):
-                out[below, last - j] = complex(real[j] * scale, -imag[j] * scale)
+            right[j] = scale * source[middle + j]
+        if mirror:
+            for j in range(count):
+                left[j] = sign * right[j]
+        else:
+            for j in range(count):
+                # An unsigned index needs no check for counting from the end, which would keep vectors out.
+                left[j] = scale * source[np.uint64(middle - j)]
+
+
+@numba.njit(cache=True, fastmath={"contract", "nsz"})
+def _square(real: F32, imag: F32, out: F32) -> None:
+    for j in range(len(out)):
+        out[j] = real[j] * real[j] + imag[j] * imag[j]
 
 
 @numba.njit(cache=True)

@@ -37,6 +37,8 @@ CORE_CYCLES, THIN_CYCLES = 1.5, 0.05
 QUADRATURE_ERROR = 1e-10
 # Rows of the core that one matrix product takes.
 CORE_ROWS = 256
+# Corners that are as near as this, of the width, are one; longer rings are not searched for symmetry.
+SAME_PLACE, MOST_COMPARED = 1e-12, 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +56,15 @@ class _Ring:
 
 @dataclass(frozen=True, eq=False)
 class _Shape:
-    """The rings of an aperture and its circles: centre x, y, radius, transmittance."""
+    """The rings of an aperture and its circles: centre x, y, radius, transmittance.
+
+    mirror is 1 where all are symmetric left to right, so that F(−u, v) = F(u, v); −1 where they are
+    top to bottom, so that it is the conjugate; else 0.
+    """
 
     rings: list[_Ring]
     discs: NDArray[np.float64]
+    mirror: int
 
 
 def polygons_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
@@ -78,23 +85,13 @@ def polygons_field(aperture: Aperture, grid: Grid) -> NDArray[np.complex64]:
     from aureole.diffraction import _kernels_polygons  # compiled code: loaded when first used
 
     shape, unit = _shape(aperture), aperture.width
-    v, u = (axis * unit for axis in grid.axes())
-    rows, columns = grid.shape
     scale = np.float32(unit**2)
     out = np.empty(grid.shape, dtype=np.complex64)
-    if grid.centre != (0.0, 0.0):
-        waves, core, corner = _prepared(shape, u, v)
-        _kernels_polygons.fill_field(waves, core, corner, scale, False, out)
-        return out
-    # A real aperture has F(−q) = F*(q). At even sizes the first column has no partner.
-    upper = rows // 2 + 1
-    waves, core, corner = _prepared(shape, u, v[:upper])
-    _kernels_polygons.fill_field(waves, core, corner, scale, True, out)
-    if columns % 2 == 0 and upper < rows:
-        edge = np.empty((rows - upper, 1), dtype=np.complex64)
-        waves, core, corner = _prepared(shape, u[:1], v[upper:])
-        _kernels_polygons.fill_field(waves, core, corner, scale, False, edge)
-        out[upper:, :1] = edge
+    if grid.centre == (0.0, 0.0):
+        _kernels_polygons.fill_centred_field(*_prepared_centred(shape, grid, unit), scale, shape.mirror, out)
+    else:
+        v, u = (axis * unit for axis in grid.axes())
+        _kernels_polygons.fill_field(*_prepared(shape, u, v), scale, out)
     return out
 
 
@@ -135,9 +132,17 @@ def polygons_power(aperture: Aperture, grid: Grid) -> NDArray[np.float32]:
     ndarray of float32, shape (rows, columns)
         Square metres, squared; accurate to about 1e-6 of the peak's amplitude.
     """
-    total = np.zeros(grid.shape, dtype=np.float32)
-    add_polygons_power(aperture, grid, 1.0, total)
-    return total
+    if grid.centre != (0.0, 0.0):
+        total = np.zeros(grid.shape, dtype=np.float32)
+        add_polygons_power(aperture, grid, 1.0, total)
+        return total
+    from aureole.diffraction import _kernels_polygons  # compiled code: loaded when first used
+
+    shape, unit = _shape(aperture), aperture.width
+    out = np.empty(grid.shape, dtype=np.float32)
+    prepared = _prepared_centred(shape, grid, unit)
+    _kernels_polygons.fill_centred_power(*prepared, np.float32(unit**2), shape.mirror, out)
+    return out
 
 
 @lru_cache(maxsize=8)
@@ -151,7 +156,31 @@ def _shape(aperture: Aperture) -> _Shape:
             rings.append(_ring(Outline(ring.vertices / unit, ring.bulges, ring.transmittance)))
         else:
             discs.append([disc.x / unit, disc.y / unit, disc.radius / unit, ring.transmittance])
-    return _Shape(rings, np.array(discs).reshape(-1, 4))
+    circles = np.array(discs).reshape(-1, 4)
+    for axis, mirror in ((0, 1), (1, -1)):
+        if (circles[:, axis] == 0).all() and all(_is_symmetric(ring, axis) for ring in rings):
+            return _Shape(rings, circles, mirror)
+    return _Shape(rings, circles, 0)
+
+
+def _is_symmetric(ring: _Ring, axis: int) -> bool:
+    """Say whether a ring is its own mirror image where one coordinate changes its sign."""
+    count = len(ring.vertices)
+    if count > MOST_COMPARED:
+        return False
+    image = ring.vertices * (-1.0 if axis == 0 else 1.0, -1.0 if axis == 1 else 1.0)
+    distances = np.abs(image[:, None] - ring.vertices).max(axis=2)
+    there = distances.argmin(axis=1)
+    if distances.min(axis=1).max() > SAME_PLACE:
+        return False
+    # The image runs the other way round: edge j lies where the edge before its start's image was.
+    before = np.roll(there, -1)
+    radii, sweeps = ring.arcs[:, 0], ring.arcs[:, 4]
+    return (
+        bool((before == (there - 1) % count).all())
+        and np.allclose(radii[before], radii, rtol=0, atol=SAME_PLACE)
+        and np.allclose(sweeps[before], sweeps, rtol=0, atol=SAME_PLACE)
+    )
 
 
 def _ring(ring: Outline) -> _Ring:
@@ -227,6 +256,17 @@ def _node_count(half_phase: float) -> int:
 @lru_cache(maxsize=64)
 def _gauss(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return np.polynomial.legendre.leggauss(count)
+
+
+def _prepared_centred(
+    shape: _Shape, grid: Grid, unit: float
+) -> tuple[Any, NDArray[np.complex64], tuple[int, int]]:
+    """Return what the kernels read on a centred grid: a quarter of it for symmetric shapes, else a half."""
+    (rows, columns), (step_y, step_x) = grid.shape, grid.spacing
+    first = 0 if shape.mirror else -(columns // 2)
+    u = np.arange(first, columns // 2 + 1, dtype=np.float64) * (step_x * unit)
+    v = np.arange(rows // 2 + 1, dtype=np.float64) * (step_y * unit)
+    return _prepared(shape, u, v)
 
 
 def _prepared(
