@@ -12,6 +12,7 @@ The error is the largest difference from method "reference" over some samples, o
 
 import argparse
 import importlib.metadata
+import math
 import os
 import platform
 import statistics
@@ -46,20 +47,12 @@ SHAPES: dict[str, Callable[[], Aperture]] = {
     "circle": lambda: aperture.circle(DIAMETER),
     "rectangle": lambda: aperture.rectangle(0.8 * DIAMETER, 0.5 * DIAMETER),
     "heptagon": lambda: aperture.iris(7, DIAMETER),
+    "heptagon, turned by 5°": lambda: aperture.iris(7, DIAMETER, rotation=math.radians(5)),
     "iris(6, curvature=0.5)": lambda: aperture.iris(6, DIAMETER, 0.5),
     "iris(9, curvature=0.8)": lambda: aperture.iris(9, DIAMETER, 0.8),
     "iris(5, curvature=1)": lambda: aperture.iris(5, DIAMETER, 1.0),
     "whirl, 320 edges": whirl,
 }
-
-
-def power(shape: Aperture, grid: Grid) -> np.ndarray:
-    """Return the power on the upper half of a centred grid, as a starburst takes it."""
-    rows, columns = grid.shape
-    half = Grid((rows // 2 + 1, columns), grid.spacing, (-(rows // 4) * grid.spacing[0], 0.0))
-    total = np.zeros(half.shape, dtype=np.float32)
-    polygons.add_polygons_power(shape, half, 1.0, total)
-    return total
 
 
 def error(shape: Aperture) -> float:
@@ -88,7 +81,7 @@ def compare(size: int, runs: int) -> None:
     }
     for name, shape in shapes.items():
         ways[name] = lambda shape=shape: polygons.polygons_field(shape, grid)
-        ways[name + ", power of half"] = lambda shape=shape: power(shape, grid)
+        ways[name + ", power"] = lambda shape=shape: polygons.polygons_power(shape, grid)
     for way in ways.values():
         way()  # warms up
     times: dict[str, list[float]] = {name: [] for name in ways}

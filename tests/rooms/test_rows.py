@@ -5,7 +5,7 @@ import pytest
 
 from aureole import Grid, aperture, refuse
 from aureole.diffraction import METHODS, far_field
-from aureole.diffraction.rows import factor, rows_field, rows_power
+from aureole.diffraction.rows import factor, rows_field, rows_power, sample
 from aureole.records import Aperture
 
 WIDTH = 2e-3
@@ -91,6 +91,23 @@ def test_field_and_power_agree_with_the_reference(name, size, grid):
     power = rows_power(shape, grid)
     assert power.dtype == np.float32
     np.testing.assert_allclose(power, np.abs(wanted) ** 2, rtol=0, atol=2 * RELATIVE * peak**2)
+
+
+@pytest.mark.parametrize("size", [256, 257])
+def test_a_sample_guesses_symmetry_and_distinct_lines(size):
+    half = size // 2
+    quadrants, lines = zip(*(sample(raster(name, size).mask) for name in SHAPES), strict=True)
+    assert quadrants == (1, 1, 2, 4)
+    assert lines[1] <= half // 8  # the box
+    for name, guessed in zip(SHAPES, lines, strict=True):
+        found = max(len(each.lines) for each in factor(raster(name, size).mask))
+        assert guessed <= 2 * found + half // 8
+    # Stripes either way have few distinct lines.
+    stripes = np.tile(np.arange(size, dtype=np.float32) % 3, (size, 1))
+    assert sample(stripes)[1] <= half // 8
+    assert sample(np.ascontiguousarray(stripes.T))[1] <= half // 8
+    noise = np.random.default_rng(2).random((size, size), dtype=np.float32)
+    assert sample(noise) == (4, (size + 1) // 2)
 
 
 def test_factors_may_be_given():

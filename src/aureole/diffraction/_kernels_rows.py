@@ -37,6 +37,46 @@ def fold(mask: F32, quadrants: F32, sums: NDArray[np.float64], reach: NDArray[np
         reach[k] = _reach(quadrants[:, k], sums[:, k])
 
 
+@numba.njit(cache=True)
+def sample(mask: F32, count: int) -> tuple[int, float]:
+    """Look at a few rows and columns of a mask's half.
+
+    Parameters
+    ----------
+    mask : ndarray of float32, shape (n, n)
+        n at least 2.
+    count : int
+        How many of each.
+
+    Returns
+    -------
+    quadrants : int
+        How many quadrants of the folded mask hold anything on those rows, 1 to 4.
+    share : float
+        Share of those rows, or of the columns if it is less, that are lit and unlike the one before.
+    """
+    size, first = len(mask), len(mask) // 2
+    half = (size + 1) // 2
+    step = max(1, half // count)
+    even = np.empty(half, np.float32)
+    odd_x, odd_y, odd = False, False, False
+    rows, columns, total = 0, 0, 0
+    for k in range(0, half, step):
+        sums = _fold_even(mask[first + k], mask[size - 1 - first - k], even)
+        odd_x, odd_y, odd = odd_x or bool(sums[1]), odd_y or bool(sums[2]), odd or bool(sums[3])
+        last = max(k - step, 0)
+        row_differs, column_differs, row_lit, column_lit = k == 0, k == 0, False, False
+        for c in range(0, size, max(1, step // 4)):
+            row_differs |= mask[first + k, c] != mask[first + last, c]
+            column_differs |= mask[c, first + k] != mask[c, first + last]
+            row_lit |= mask[first + k, c] != 0
+            column_lit |= mask[c, first + k] != 0
+        rows += int(row_differs and row_lit)
+        columns += int(column_differs and column_lit)
+        total += 1
+    return 1 + int(odd_x) + int(odd_y) + int(odd), min(rows, columns) / total
+
+
 @numba.njit(cache=True, fastmath={"reassoc", "nsz"})
 def _fold_even(below: F32, above: F32, even: F32) -> tuple[np.float32, ...]:
     """Write one row of the even part and return the sums of the magnitudes of all four."""

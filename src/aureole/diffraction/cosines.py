@@ -13,11 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from aureole.diffraction.rows import fold
+from aureole.diffraction.rows import fold, sample
 from aureole.records import Aperture, Grid
 
-# Rows that tell whether a mask has a symmetry.
-SAMPLED_ROWS = 16
 # From this many times the mask's samples on, a real FFT transforms mostly zeros.
 LONGER = 2
 
@@ -48,29 +46,7 @@ def cosines_serve(aperture: Aperture, grid: Grid, lengths: tuple[int, int]) -> b
         length % 2 == 0 and length >= max(size, 2 * (count // 2)) and _is_smooth(length)
         for length, count in zip(lengths, grid.shape, strict=True)
     )
-    return fitting and (lengths[0] * lengths[1] > LONGER * size**2 or quadrants_of(aperture.mask) <= 2)
-
-
-def quadrants_of(mask: NDArray[np.float32]) -> int:
-    """Return how many quadrants of a folded mask hold anything, so far as a few rows show.
-
-    Parameters
-    ----------
-    mask : ndarray of float32, shape (n, n)
-        Amplitude transmittance; n even.
-
-    Returns
-    -------
-    int
-        1 to 4.
-    """
-    half = len(mask) // 2
-    step = -(-half // SAMPLED_ROWS)
-    below, above = mask[half::step], mask[half - 1 :: -step]
-    right, left = below[:, half:], below[:, half - 1 :: -1]
-    far, back = above[:, half:], above[:, half - 1 :: -1]
-    odd = (right - left != back - far, right + left != far + back, right - left != far - back)
-    return 1 + sum(bool(part.any()) for part in odd)
+    return fitting and (lengths[0] * lengths[1] > LONGER * size**2 or sample(aperture.mask)[0] <= 2)
 
 
 def cosines_field(aperture: Aperture, grid: Grid, lengths: tuple[int, int]) -> NDArray[np.complex64]:

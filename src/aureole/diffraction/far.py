@@ -15,12 +15,12 @@ from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction import culling
 from aureole.diffraction.chirpz import chirpz_field, chirpz_power, fft_field, fft_lengths, fft_power
-from aureole.diffraction.cosines import cosines_serve, quadrants_of
+from aureole.diffraction.cosines import cosines_serve
 from aureole.diffraction.polygons import polygons_field, polygons_power
 from aureole.diffraction.quads import quads_field, quads_power
 from aureole.diffraction.quadtree import quadtree
 from aureole.diffraction.reference import reference_field
-from aureole.diffraction.rows import Factor, factor, multiplications, rows_field, rows_power
+from aureole.diffraction.rows import Factor, factor, multiplications, rows_field, rows_power, sample
 from aureole.records import Aperture, Field, Grid
 
 RASTER_SIZE = 1024
@@ -257,7 +257,8 @@ def _fastest(aperture: Aperture, grid: Grid) -> tuple[str, list[Factor] | None]:
     half = (size + 1) // 2
     if _rows_seconds(size, 4 * half * columns * (rows + half), grid) <= seconds:
         return "rows", None
-    if _rows_seconds(size, 0, grid) > seconds:
+    quadrants, lines = sample(aperture.mask)
+    if _rows_seconds(size, quadrants * lines * rows * columns // 2, grid) > seconds:
         return rival, None
     # Between the two bounds the mask decides; what was found out about it is used, and is paid for.
     factors = factor(aperture.mask)
@@ -325,6 +326,6 @@ def _fft_seconds(aperture: Aperture, lengths: tuple[int, int], grid: Grid) -> fl
     samples = half * lengths[0] // 2 + (grid.shape[0] // 2 + 1) * lengths[1] // 2
     return (
         COSINES_CALL
-        + COSINES_SAMPLE * samples * quadrants_of(aperture.mask)
+        + COSINES_SAMPLE * samples * sample(aperture.mask)[0]
         + COSINES_OUTPUT * (outputs + 4 * half**2) / 2
     )

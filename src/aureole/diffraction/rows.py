@@ -32,6 +32,9 @@ NEGLIGIBLE = 1e-8
 # With more steps than one in so many pixels, a plain matrix product is faster than stepping.
 STEPS_APART = 8
 
+# Rows and columns that tell a mask's symmetry and how many of its lines are alike.
+SAMPLED = 16
+
 
 @dataclass(frozen=True, eq=False)
 class Factor:
@@ -98,6 +101,23 @@ def fold(mask: NDArray[np.float32]) -> Folded:
     totals = sums.sum(axis=1)
     kept = [part for part in range(4) if totals[part] > NEGLIGIBLE * totals.max()]
     return Folded(quadrants, sums, kept, int(reach.max()))
+
+
+def sample(mask: NDArray[np.float32]) -> tuple[int, int]:
+    """Guess from a few rows and columns how much a mask's symmetry and its equal lines save.
+
+    Parameters
+    ----------
+    mask : ndarray of float32, shape (n, n)
+        Amplitude transmittance.
+
+    Returns
+    -------
+    quadrants, lines : int
+        How many quadrants of the folded mask hold anything, and about how many distinct lines each has.
+    """
+    quadrants, share = _kernels_rows.sample(np.ascontiguousarray(mask, dtype=np.float32), SAMPLED)
+    return int(quadrants), int(share * (len(mask) + 1) / 2)
 
 
 def factor(mask: NDArray[np.float32]) -> list[Factor]:
