@@ -35,7 +35,7 @@ def test_a_picture_spans_the_sensors_width():
         (jobs.Opening(shape="circle"), "circle"),
         (jobs.Opening(shape="whirl", blades=4), "whirl"),
         (jobs.Opening(shape="rectangle", width=2e-3, height=1e-3), "rectangle"),
-        (jobs.Opening(shape="circle", obstruction=0.3), "circle without circle"),
+        (jobs.Opening(shape="circle", obstruction=0.3), "circle, 30 % obstructed"),
     ],
 )
 def test_openings(opening, name):

@@ -32,6 +32,7 @@ from aureole.aperture.shapes import circle, iris, polygon, rectangle, whirl
 from aureole.aperture.wavefront import (
     bounding_radius,
     check_wavefront,
+    steepest_step,
     transmittance,
     wavefront_rms,
     with_wavefront,
@@ -68,6 +69,7 @@ __all__ = [
     "scaled",
     "scratches",
     "spiders",
+    "steepest_step",
     "subtraction",
     "transmittance",
     "union",

@@ -170,7 +170,7 @@ def check_wavefront(aperture: Aperture, wavelength: float | None) -> float:
     if wavelength is None:
         raise refuse.Refusal("'wavelength' is needed, in metres: this aperture has a wavefront.")
     refuse.positive("wavelength", wavelength)
-    step = _steepest_step(aperture)
+    step = steepest_step(aperture)
     if step > STEEPEST * wavelength:
         raise refuse.Refusal(
             f"the wavefront changes by {step / wavelength:.3g} waves from one pixel to the next, at most "
@@ -209,8 +209,24 @@ def _path_of_shift(shift: float, f_number: float | None) -> float:
 
 
 @lru_cache(maxsize=8)
-def _steepest_step(aperture: Aperture) -> float:
-    """Return the largest difference of path between two lit pixels side by side, in metres."""
+def steepest_step(aperture: Aperture) -> float:
+    """Return the largest difference of path between two lit pixels side by side.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        With a wavefront.
+
+    Returns
+    -------
+    float
+        Metres; half a wavelength is the most that pixels can tell.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where there is no mask of the wavefront's shape, or a value is not finite.
+    """
     path, mask = aperture.wavefront, aperture.mask
     if path is None or mask is None or path.shape != mask.shape:
         raise refuse.Refusal("an aperture's 'wavefront' needs a 'mask' of the same shape.")

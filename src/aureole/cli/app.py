@@ -8,6 +8,7 @@ import typer
 from aureole import jobs, light, presets, refuse
 from aureole.cli import bench, options, output, runs
 from aureole.cli.options import FILES, ShapeFlags
+from aureole.cli.pupil_options import PupilFlags, with_pupil_flags
 
 app = typer.Typer(
     help="Add the light that a camera adds to a picture, from physics.\n\n"
@@ -32,9 +33,11 @@ def _version(
 
 
 @app.command()
+@with_pupil_flags
 def glare(
     source: options.Source,
     out: options.Out,
+    pupil: PupilFlags,
     focal_length: options.FocalLength = None,
     f_number: options.FNumber = None,
     preset: options.Preset = None,
@@ -78,8 +81,12 @@ def glare(
         aureole glare night.exr -o out.exr --preset super35-35mm-f8 --mode scatter --preview look.png
 
         aureole glare night.exr -o out.exr --mode add --threshold 2 --gain 3 --tint 1,0.9,0.8
+
+        aureole glare night.exr -o out.exr --dust 10% --dust-scale 0.3mm --scratches 20 --seed 7
     """
-    shape = ShapeFlags(aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture)
+    shape = ShapeFlags(
+        aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture, pupil
+    )
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
     files = runs.GlareFiles(source, out, psf, preview, matte, pixel_type, nan, color_config, color_space)
     look = runs.Look(illuminant, mode, threshold, knee, gain, options.numbers(tint, "tint", 3), precision)
@@ -88,8 +95,10 @@ def glare(
 
 
 @app.command()
+@with_pupil_flags
 def starburst(
     out: options.Out,
+    pupil: PupilFlags,
     focal_length: options.FocalLength = None,
     f_number: options.FNumber = None,
     preset: options.Preset = None,
@@ -113,6 +122,7 @@ def starburst(
     colour_space: options.ColourSpace = "rec709",
     method: options.Method = "auto",
     preview: options.Preview = None,
+    report: options.Page = None,
     as_json: options.Json = False,
 ) -> None:
     """Write the point spread function of a camera's aperture.
@@ -127,8 +137,13 @@ def starburst(
         --sample point -o airy.exr
 
         aureole starburst --preset full-frame-24mm-f22 --for unreal -o bloom.exr --preview bloom.png
+
+        aureole starburst --aperture circle --obstruction 30% --spiders 4 --zernike coma-x=40nm
+        --pixel-pitch 4um -o telescope.exr --report telescope.pdf
     """
-    shape = ShapeFlags(aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture)
+    shape = ShapeFlags(
+        aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture, pupil
+    )
     job = jobs.StarburstJob(
         options.optics(shape, preset, iris, focal_length, f_number, sensor),
         options.size(size),
@@ -139,13 +154,16 @@ def starburst(
         method,
         fade,
         host,
+        report is not None,
     )
-    runs.starburst(job, out, preview, as_json)
+    runs.starburst(job, out, preview, report, as_json)
 
 
 @app.command()
+@with_pupil_flags
 def aperture(
     out: options.Out,
+    pupil: PupilFlags,
     iris: options.Iris = None,
     shape: options.Shape = None,
     blades: options.Blades = None,
@@ -176,8 +194,12 @@ def aperture(
         aureole aperture --quadtree --size 128 --finest half -o quads.png
 
         aureole aperture --quadtree --merge --size 128 -o merged.png
+
+        aureole aperture --dust 10% --scratches 5 --defocus 0.5waves -o dirty.png
     """
-    flags = ShapeFlags(shape, blades, curvature, rotation, obstruction, width, height, aperture_picture)
+    flags = ShapeFlags(
+        shape, blades, curvature, rotation, obstruction, width, height, aperture_picture, pupil
+    )
     runs.aperture(jobs.ApertureJob(flags.opening(), iris, size, finest, quadtree, merge), out, as_json)
 
 

@@ -1,12 +1,13 @@
 """Flags that several commands share, and what they mean."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 
 from aureole import refuse, units
+from aureole.cli.pupil_options import PupilFlags, ratio
 from aureole.jobs import Opening, Optics
 
 CAMERA, SHAPE, FILES, MIXING, KERNEL = "Camera", "Aperture", "Files", "Compositing", "Kernel"
@@ -49,8 +50,10 @@ Rotation = Annotated[
     typer.Option("--rotation", help="Degrees, counter-clockwise: 10 or 10deg.", rich_help_panel=SHAPE),
 ]
 Obstruction = Annotated[
-    float | None,
-    typer.Option("--obstruction", help="Central disc's diameter over the opening's.", rich_help_panel=SHAPE),
+    str | None,
+    typer.Option(
+        "--obstruction", help="Central disc's diameter over the opening's: 30% or 0.3.", rich_help_panel=SHAPE
+    ),
 ]
 Width = Annotated[
     str | None,
@@ -79,6 +82,14 @@ Out = Annotated[
 ]
 Preview = Annotated[
     Path | None, typer.Option("--preview", help="Also write a PNG to look at.", rich_help_panel=FILES)
+]
+Page = Annotated[
+    Path | None,
+    typer.Option(
+        "--report",
+        help="Also write a page of MTF, encircled energy and numbers: PNG, PDF or SVG.",
+        rich_help_panel=FILES,
+    ),
 ]
 Memory = Annotated[
     str | None,
@@ -150,16 +161,19 @@ class ShapeFlags:
     ----------
     aperture, blades, curvature, rotation, obstruction, width, height, picture : optional
         As typed.
+    pupil : PupilFlags
+        What stands in the opening, lies on it and bends its wave.
     """
 
     aperture: str | None = None
     blades: int | None = None
     curvature: float | None = None
     rotation: str | None = None
-    obstruction: float | None = None
+    obstruction: str | None = None
     width: str | None = None
     height: str | None = None
     picture: Path | None = None
+    pupil: PupilFlags = field(default_factory=PupilFlags)
 
     def opening(self) -> Opening:
         """Return what the flags mean."""
@@ -170,10 +184,11 @@ class ShapeFlags:
             blades=self.blades,
             curvature=self.curvature,
             rotation=None if self.rotation is None else units.angle(self.rotation, "rotation"),
-            obstruction=self.obstruction,
+            obstruction=None if self.obstruction is None else ratio(self.obstruction, "obstruction"),
             width=_length(self.width, "width", "2mm"),
             height=_length(self.height, "height", "1mm"),
             picture=None if self.picture is None else str(self.picture),
+            **self.pupil.values(),
         )
 
 

@@ -196,9 +196,33 @@ def places(*paths: Path | None) -> list[Path]:
     for index, path in enumerate(wanted):
         picture.format_of(path)
         picture.writable(path)
-        if path.resolve() in [other.resolve() for other in wanted[:index]]:
-            raise refuse.Refusal(f"'{path}' would be written twice; give each output its own name.")
+        another(path, wanted[:index])
     return wanted
+
+
+def another(path: Path, others: Iterable[Path]) -> Path:
+    """Refuse a file that is among others.
+
+    Parameters
+    ----------
+    path : Path
+        File to write.
+    others : iterable of Path
+        Files that are written, too.
+
+    Returns
+    -------
+    Path
+        The same.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where two files are the same.
+    """
+    if path.resolve() in [other.resolve() for other in others]:
+        raise refuse.Refusal(f"'{path}' would be written twice; give each output its own name.")
+    return path
 
 
 def make_folder(path: Path) -> None:

@@ -123,7 +123,9 @@ def glare(
     output.report("glare", result.report, written, as_json, time.perf_counter() - start)
 
 
-def starburst(job: jobs.StarburstJob, out: Path, preview: Path | None, as_json: bool) -> None:
+def starburst(
+    job: jobs.StarburstJob, out: Path, preview: Path | None, page: Path | None, as_json: bool
+) -> None:
     """Make a point spread function, write and report.
 
     Parameters
@@ -134,15 +136,21 @@ def starburst(job: jobs.StarburstJob, out: Path, preview: Path | None, as_json: 
         Kernel out.
     preview : Path, optional
         PNG out.
+    page : Path, optional
+        One page of curves and numbers out: PNG, PDF or SVG; the job must ask for the measures.
     as_json : bool
         Whether a machine reads the report.
     """
     start = time.perf_counter()
     written = output.places(out, preview)
+    if page is not None:
+        written.append(output.another(jobs.check_page(page), written))
     result = output.follow(jobs.run(job))
     output.write(out, result.picture, output.pixel_type_for(out, "auto"))
     if preview is not None:
         output.write_display(preview, views.kernel(result.picture))
+    if page is not None:
+        jobs.write_page(page, result.psf, result.camera, result.measures, result.report["illuminant"])
     output.report("starburst", result.report, written, as_json, time.perf_counter() - start)
 
 

@@ -93,11 +93,14 @@ def _correlated(aperture: Aperture, wavelength: float | None) -> NDArray[np.comp
     """Correlate by padded Fourier transforms."""
     values = apertures.transmittance(aperture, wavelength)
     size, pixel = len(values), aperture.width / len(values)
-    length = fft.next_fast_len(2 * size - 1)
-    spectrum: Any = fft.fft2(values.astype(np.complex128), (length, length), workers=os.cpu_count() or 1)
+    length, workers = fft.next_fast_len(2 * size - 1), os.cpu_count() or 1
+    # Rows of padding are dark, and stay so.
+    across = fft.fft(values.astype(np.complex128), length, axis=1, workers=workers)
+    spectrum: Any = fft.fft(across, length, axis=0, workers=workers)
     power = spectrum.real**2 + spectrum.imag**2
-    shifted: Any = fft.ifft2(power, workers=os.cpu_count() or 1)
+    # The power is real, so its inverse transform is the conjugate of half a forward one.
+    shifted: Any = fft.rfft2(power, axes=(1, 0), workers=workers)
     columns = np.arange(1 - size, size)
-    out = np.ascontiguousarray(shifted[:size, columns]) * pixel**2
+    out = np.conj(shifted[:size, columns]) * (pixel / length) ** 2
     out.setflags(write=False)
     return np.asarray(out)

@@ -25,6 +25,8 @@ RASTER_SIZE = 1024
 # Wavelengths that stand for a spectrum, and directions that stand for a circle's half.
 WAVELENGTHS = 31
 DIRECTIONS = 256
+# A wavelength with less of the luminance than this is left out.
+UNSEEN = 1e-4
 RIGHT_ANGLE = math.pi / 2
 
 
@@ -245,8 +247,9 @@ def _waves(light: Light) -> list[tuple[float, float]]:
     if not isinstance(light, Spectrum):
         return [(refuse.positive("light", light), 1.0)]
     wavelengths, weights = lights.quadrature(light, WAVELENGTHS)
-    luminance = weights[:, 1] / weights[:, 1].sum()
-    return [(float(each), float(share)) for each, share in zip(wavelengths, luminance, strict=True)]
+    seen = weights[:, 1] > UNSEEN * weights[:, 1].sum()
+    luminance = weights[seen, 1] / weights[seen, 1].sum()
+    return [(float(each), float(share)) for each, share in zip(wavelengths[seen], luminance, strict=True)]
 
 
 def _own(raster: Aperture, wavelength: float) -> float | None:

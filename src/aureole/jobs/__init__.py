@@ -6,6 +6,8 @@ optics      descriptions of apertures and cameras as people give them, made into
 glare       the main job: a picture with the glare that a camera adds
 starburst   a point spread function, or a kernel for another program
 aperture    an aperture drawn, with its quadtree's counts
+measures    a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
+page        one page about a point spread function
 drawing     an aperture's quads drawn
 demo        the main job on the bundled scene
 """
@@ -13,7 +15,9 @@ demo        the main job on the bundled scene
 from aureole.jobs.aperture import ApertureJob, ApertureResult
 from aureole.jobs.demo import DemoJob, DemoResult
 from aureole.jobs.glare import GlareJob, GlareResult
+from aureole.jobs.measures import PupilMeasures, pupil_measures
 from aureole.jobs.optics import Opening, Optics
+from aureole.jobs.page import check_page, write_page
 from aureole.jobs.run import finish, run
 from aureole.jobs.starburst import StarburstJob, StarburstResult
 
@@ -26,8 +30,12 @@ __all__ = [
     "GlareResult",
     "Opening",
     "Optics",
+    "PupilMeasures",
     "StarburstJob",
     "StarburstResult",
+    "check_page",
     "finish",
+    "pupil_measures",
     "run",
+    "write_page",
 ]

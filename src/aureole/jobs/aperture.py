@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from aureole import aperture as apertures
-from aureole import diffraction, refuse
-from aureole.jobs.drawing import quadtree_drawing
+from aureole import diffraction, picture, refuse
+from aureole.jobs.drawing import quadtree_drawing, wavefront_drawing
 from aureole.jobs.optics import DEFAULT_CAMERA, Opening
 from aureole.presets import load
 from aureole.records import Aperture, Picture, Stage
@@ -19,7 +19,7 @@ TOO_MANY = 0.25
 
 @dataclass(frozen=True)
 class ApertureJob:
-    """What opening to draw.
+    """What opening to draw; lengths and f-numbers are those of the default camera.
 
     Parameters
     ----------
@@ -52,7 +52,8 @@ class ApertureResult:
     Parameters
     ----------
     picture : Picture
-        Transmittance as linear grey, with the quads' outlines on it where asked for.
+        Transmittance as linear grey, with the quads' outlines on it where asked for; beside it the
+        wavefront where there is one, blue below zero and red above.
     aperture : Aperture
         The opening itself.
     report : dict
@@ -79,7 +80,9 @@ def run_aperture(job: ApertureJob) -> Iterator[Stage]:
     """
     refuse.at_least("size", job.size, 1)
     yield Stage(0.0, "aperture")
-    shape = job.opening.build(job.iris or load("cameras", DEFAULT_CAMERA).iris)
+    camera = load("cameras", DEFAULT_CAMERA)
+    focal_length = camera.focal_length_mm * 1e-3
+    shape = job.opening.build(job.iris or camera.iris, focal_length / camera.f_number, focal_length)
     mask = apertures.rasterize(shape, job.size)
     yield Stage(0.5, "quadtree")
     quads = diffraction.quadtree(mask, shape.width, job.finest)
@@ -102,4 +105,8 @@ def run_aperture(job: ApertureJob) -> Iterator[Stage]:
     pixels = np.repeat(mask[..., None], 3, axis=2)
     if job.quadtree:
         pixels = quadtree_drawing(quads, diffraction.level_mask(mask, job.finest), shape.width)
+    if shape.wavefront is not None and shape.mask is not None:
+        report["wavefront_rms_m"] = apertures.wavefront_rms(shape)
+        report["wavefront_peak_to_valley_m"] = float(np.ptp(shape.wavefront[shape.mask > 0]))
+        pixels = picture.side_by_side([pixels, wavefront_drawing(shape, len(pixels))])
     yield Stage(1.0, "aperture", ApertureResult(Picture(pixels), shape, report))

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole.diffraction import Quads
+from aureole.records import Aperture
 
 # Linear colours: what blocks light, what lets it through, and the quads' edges.
 DARK, LIT = 0.02, 0.6
@@ -36,6 +37,32 @@ def quadtree_drawing(quads: Quads, mask: NDArray[np.float64], width: float) -> N
     for colour, chosen in ((POSITIVE, quads.weights > 0), (NEGATIVE, quads.weights < 0)):
         drawing[_outlined(edges[chosen], size * step + 1)] = colour
     return drawing
+
+
+def wavefront_drawing(aperture: Aperture, size: int) -> NDArray[np.float32]:
+    """Draw a wavefront: white at zero, blue below, red above, as deep as the largest error either way.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        With a wavefront.
+    size : int
+        Pixels on each side of the drawing.
+
+    Returns
+    -------
+    ndarray of float32, shape (size, size, 3)
+        Linear; dark where no light passes.
+    """
+    assert aperture.wavefront is not None
+    assert aperture.mask is not None
+    # Each pixel of the drawing takes the one of the wavefront that lies at its centre.
+    at = np.minimum(((np.arange(size) + 0.5) / size * len(aperture.mask)).astype(int), len(aperture.mask) - 1)
+    error, light = aperture.wavefront[np.ix_(at, at)], aperture.mask[np.ix_(at, at)][..., None]
+    depth = (error / max(float(np.abs(error).max()), 1e-30))[..., None]
+    colour = np.where(depth < 0, np.asarray(POSITIVE), np.asarray(NEGATIVE))
+    shown = 1 + np.abs(depth) * (colour - 1)
+    return np.asarray(DARK + (shown - DARK) * light, dtype=np.float32)
 
 
 def _outlined(edges: NDArray[np.int_], side: int) -> NDArray[np.bool_]:

@@ -13,6 +13,20 @@ from aureole.records import Aperture, Camera
 
 DEFAULT_CAMERA = "full-frame-50mm-f16"
 SHAPES = ("iris", "circle", "rectangle", "whirl", "picture")
+# What is left out of spiders, dust and scratches: parts of the opening's width.
+SPIDER_WIDTH, DUST_SCALE, SCRATCH_LENGTH, SCRATCH_WIDTH = 0.02, 0.05, 0.5, 0.004
+DIRT_SIZE = 1024
+# A wavefront's raster has a pixel for each eighth of the shortest wave, between these sizes; each
+# wavelength is transformed, so a small one saves much time.
+FINEST_STEP = 380e-9 / 8
+PROBE_SIZE, SMALLEST_SIZE, LARGEST_SIZE = 256, 512, 2048
+NEEDS = {
+    "spider_width": "spiders",
+    "spider_rotation": "spiders",
+    "dust_scale": "dust",
+    "dust_stretch": "dust",
+    "dust_angle": "dust",
+}
 
 
 @dataclass(frozen=True)
@@ -36,6 +50,28 @@ class Opening:
         sets the size where they are left out.
     picture : str, optional
         File whose white lets light through, for shape "picture".
+    spiders : int, optional
+        Vanes from the centre to the rim.
+    spider_width : float, optional
+        Breadth of a vane, metres; 2 % of the opening's width where it is left out.
+    spider_rotation : float, optional
+        Direction of the first vane, radians, counter-clockwise as seen.
+    dust : float, optional
+        Part of the opening that dust touches, 0 to 1.
+    dust_scale : float, optional
+        Size of the largest specks, metres; 5 % of the opening's width where it is left out.
+    dust_stretch, dust_angle : float, optional
+        How many times longer than broad specks are, and along which direction, radians.
+    scratches : int, optional
+        How many scratches lie on the opening's square.
+    seed : int, optional
+        Of dust and scratches; 1 where it is left out.
+    defocus : float, optional
+        W20: optical path at the rim over that at the centre, metres.
+    focus_shift : float, optional
+        Defocus as the distance from the sensor to the focus, metres, positive beyond the sensor.
+    zernike : tuple of (term, float), optional
+        Zernike polynomials, (n, m) or names, and their root mean squares in metres of optical path.
     """
 
     shape: str | None = None
@@ -46,19 +82,36 @@ class Opening:
     width: float | None = None
     height: float | None = None
     picture: str | None = None
+    spiders: int | None = None
+    spider_width: float | None = None
+    spider_rotation: float | None = None
+    dust: float | None = None
+    dust_scale: float | None = None
+    dust_stretch: float | None = None
+    dust_angle: float | None = None
+    scratches: int | None = None
+    seed: int | None = None
+    defocus: float | None = None
+    focus_shift: float | None = None
+    zernike: tuple[tuple[tuple[int, int] | str, float], ...] | None = None
 
-    def build(self, iris: str) -> Aperture:
+    def build(self, iris: str, diameter: float | None = None, focal_length: float | None = None) -> Aperture:
         """Make the aperture; what is left out comes from the iris preset of this name.
 
         Parameters
         ----------
         iris : str
             Name of an iris preset, or path of its file.
+        diameter : float, optional
+            Metres, where `width` does not say it.
+        focal_length : float, optional
+            Metres; a shift of focus needs it.
 
         Returns
         -------
         Aperture
-            At its own size where `width` is given, else 1 m wide, to be scaled.
+            At its own size where `width` or the diameter is given, else 1 m wide, to be scaled. Outlines;
+            with dust, scratches or a wavefront a raster.
 
         Raises
         ------
@@ -70,12 +123,57 @@ class Opening:
         refuse.one_of("aperture", shape, SHAPES)
         self._refuse_strangers(shape)
         rotation = math.radians(preset.rotation_deg) if self.rotation is None else self.rotation
-        whole = self._whole(shape, preset, rotation)
+        size = self.width if self.width is not None else diameter or 1.0
+        whole = self._whole(shape, preset, rotation, size)
+        if self.spiders:
+            breadth = SPIDER_WIDTH * whole.width if self.spider_width is None else self.spider_width
+            whole = apertures.spiders(whole, self.spiders, breadth, self.spider_rotation or 0.0)
         obstruction = preset.obstruction if self.obstruction is None else self.obstruction
         if obstruction:
-            refuse.between("obstruction", obstruction, 0, 0.999)
-            whole = apertures.subtraction(whole, apertures.circle(obstruction * whole.width))
+            whole = apertures.obstruction(whole, obstruction)
+        dirty, bent = bool(self.dust or self.scratches), self._is_bent()
+        if not dirty and not bent:
+            return whole
+        f_number = None if focal_length is None else focal_length / whole.width
+        # Dirt must not move the disc on which the wavefront stands.
+        radius = apertures.bounding_radius(whole)
+        pixels = self._pixels(whole, f_number, radius)
+        whole = self._dirty(whole, pixels) if dirty else whole
+        return self._with_wavefront(whole, pixels, f_number, radius) if bent else whole
+
+    def _is_bent(self) -> bool:
+        return bool(self.defocus or self.focus_shift or self.zernike)
+
+    def _pixels(self, whole: Aperture, f_number: float | None, radius: float) -> int:
+        """Return a raster's size on which a wavefront rises gently from pixel to pixel."""
+        if not self._is_bent():
+            return DIRT_SIZE if whole.mask is None else len(whole.mask)
+        probe = self._with_wavefront(whole, PROBE_SIZE, f_number, radius)
+        wanted = PROBE_SIZE * apertures.steepest_step(probe) / FINEST_STEP
+        size = SMALLEST_SIZE
+        while size < wanted and size < LARGEST_SIZE:
+            size *= 2
+        return size
+
+    def _dirty(self, whole: Aperture, size: int) -> Aperture:
+        """See the opening through its dust and its scratches."""
+        seed = 1 if self.seed is None else self.seed
+        if self.dust:
+            scale = DUST_SCALE * whole.width if self.dust_scale is None else self.dust_scale
+            stretch = 1.0 if self.dust_stretch is None else self.dust_stretch
+            whole = apertures.dust(whole, size, self.dust, scale, seed, stretch, self.dust_angle or 0.0)
+        if self.scratches:
+            length, width = SCRATCH_LENGTH * whole.width, SCRATCH_WIDTH * whole.width
+            whole = apertures.scratches(whole, size, self.scratches, length, width, seed)
         return whole
+
+    def _with_wavefront(self, whole: Aperture, size: int, f_number: float | None, radius: float) -> Aperture:
+        terms: dict[tuple[int, int] | str, float] = {}
+        for term, rms in self.zernike or ():
+            pair = apertures.zernike_pair(term)
+            terms[pair] = terms.get(pair, 0.0) + rms
+        shift = self.focus_shift or 0.0
+        return apertures.with_wavefront(whole, size, terms, self.defocus or 0.0, shift, f_number, radius)
 
     def _shape(self, preset_shape: str) -> str:
         """Infer the shape from what is given, else from the preset."""
@@ -100,12 +198,14 @@ class Opening:
                 raise refuse.Refusal(
                     f"'{name}' does not go with aperture '{shape}'; it is for {' or '.join(shapes)}."
                 )
+        for name, needed in NEEDS.items():
+            if getattr(self, name) is not None and not getattr(self, needed):
+                raise refuse.Refusal(f"'{name}' needs '{needed}'.")
         if self.rotation and shape == "picture":
             raise refuse.Refusal("'rotation' does not go with aperture 'picture'; turn the picture itself.")
 
-    def _whole(self, shape: str, preset: presets.IrisPreset, rotation: float) -> Aperture:
+    def _whole(self, shape: str, preset: presets.IrisPreset, rotation: float, size: float) -> Aperture:
         """Make the opening without its obstruction."""
-        size = 1.0 if self.width is None else self.width
         if shape == "circle":
             return apertures.circle(size)
         if shape == "rectangle":
@@ -178,12 +278,11 @@ class Optics:
         """
         preset: presets.CameraPreset = presets.load("cameras", self.preset or DEFAULT_CAMERA)
         focal_length = _given("focal_length", self.focal_length, preset.focal_length_mm * 1e-3)
-        iris = self.opening.build(self.iris or preset.iris)
-        if self.opening.width is None:
-            f_number = _given("f_number", self.f_number, preset.f_number)
-        elif self.f_number is not None:
+        if self.opening.width is not None and self.f_number is not None:
             raise refuse.Refusal("'width' and 'f_number' both set the opening's size; give one of them.")
-        else:
+        f_number = _given("f_number", self.f_number, preset.f_number)
+        iris = self.opening.build(self.iris or preset.iris, focal_length / f_number, focal_length)
+        if self.opening.width is not None:
             f_number = focal_length / iris.width
         width = _given("sensor_width", self.sensor_width, preset.sensor_width_mm * 1e-3)
         height = _given("sensor_height", self.sensor_height, preset.sensor_height_mm * 1e-3)

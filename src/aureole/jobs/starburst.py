@@ -5,13 +5,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from aureole import aperture as apertures
 from aureole import glare, light, refuse
+from aureole.jobs.measures import MIDDLE_WAVELENGTH, PupilMeasures, pupil_measures
 from aureole.jobs.optics import Optics
 from aureole.records import Camera, Picture, Stage
 
 # An anti-aliased heptagon of 1024² pixels is right to 0.13 dB (median) up to here, in cycles per pixel.
 RASTER_LIMIT = 0.125
-MIDDLE_WAVELENGTH = 550e-9
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,8 @@ class StarburstJob:
         Part of the half size over which the border fades to zero.
     host : str, optional
         "unreal", "blender" or "nuke", for a kernel in that program's convention.
+    measures : bool
+        Whether to measure the pupil, too: transfer functions, Strehl ratio, encircled energy.
     """
 
     optics: Optics = field(default_factory=Optics)
@@ -49,6 +52,7 @@ class StarburstJob:
     method: str = "auto"
     border_fade: float = 0.25
     host: str | None = None
+    measures: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,12 +66,18 @@ class StarburstResult:
     camera : Camera
         The camera it is of.
     report : dict
-        Plain numbers with units in their names.
+        Plain numbers with units in their names, those of the measures among them.
+    psf : Picture
+        Energy per pixel, whatever the host.
+    measures : PupilMeasures, optional
+        Where the job asked for them.
     """
 
     picture: Picture
     camera: Camera
     report: dict[str, Any]
+    psf: Picture
+    measures: PupilMeasures | None = None
 
 
 def run_starburst(job: StarburstJob) -> Iterator[Stage]:
@@ -94,10 +104,15 @@ def run_starburst(job: StarburstJob) -> Iterator[Stage]:
         camera, job.shape, lamp, job.colour_space, job.method, job.sample, job.border_fade
     ):
         psf = stage.result
-        yield Stage(0.98 * stage.fraction, stage.label)
+        yield Stage((0.8 if job.measures else 0.98) * stage.fraction, stage.label)
     assert isinstance(psf, Picture)
     picture = psf if job.host is None else glare.kernel_for(psf, job.host)
-    yield Stage(1.0, "starburst", StarburstResult(picture, camera, psf_report(camera, psf, lamp.name)))
+    report, measures = psf_report(camera, psf, lamp.name), None
+    if job.measures:
+        yield Stage(0.8, "measuring the pupil")
+        measures = pupil_measures(camera, lamp)
+        report |= measures.report
+    yield Stage(1.0, "starburst", StarburstResult(picture, camera, report, psf, measures))
 
 
 def psf_report(camera: Camera, psf: Picture, illuminant: str) -> dict[str, Any]:
@@ -130,6 +145,8 @@ def psf_report(camera: Camera, psf: Picture, illuminant: str) -> dict[str, Any]:
         "energy_before_fade": psf.metadata["energy_before_fade"],
         "energy_in_core_pixel": float(psf.pixels[rows // 2, columns // 2, :3].mean()),
     }
+    if camera.iris.wavefront is not None:
+        report["wavefront_rms_m"] = apertures.wavefront_rms(camera.iris)
     if camera.iris.mask is not None:
         report["raster_true_to_deg"] = math.degrees(_raster_angle(camera))
     return report

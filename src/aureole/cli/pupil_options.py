@@ -1,0 +1,246 @@
+"""Flags for what stands in an opening, lies on it and bends its wave, shared by several commands."""
+
+import functools
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Annotated, Any
+
+import typer
+
+from aureole import aperture, refuse, units
+
+SPIDERS, DIRT, WAVEFRONT = "Aperture: vanes", "Aperture: dust and scratches", "Aperture: wavefront"
+# A wave, where a path is given in waves.
+WAVE = 550e-9
+NAMES = ", ".join(name for name in aperture.ZERNIKE_NAMES if name != "piston")
+
+
+@dataclass(frozen=True)
+class PupilFlags:
+    """The flags of vanes, dirt and wavefronts, as text; each field's option teaches its use.
+
+    Parameters
+    ----------
+    spiders, spider_width, spider_rotation : optional
+        Vanes.
+    dust, dust_scale, dust_stretch, dust_angle, scratches, seed : optional
+        Dirt.
+    defocus, focus_shift, zernike : optional
+        Wavefront.
+    """
+
+    spiders: Annotated[
+        int | None,
+        typer.Option("--spiders", help="Vanes from the centre to the rim.", rich_help_panel=SPIDERS),
+    ] = None
+    spider_width: Annotated[
+        str | None,
+        typer.Option("--spider-width", help="Breadth of a vane: 0.1mm.", rich_help_panel=SPIDERS),
+    ] = None
+    spider_rotation: Annotated[
+        str | None,
+        typer.Option(
+            "--spider-rotation", help="Direction of the first vane: 45deg.", rich_help_panel=SPIDERS
+        ),
+    ] = None
+    dust: Annotated[
+        str | None,
+        typer.Option(
+            "--dust", help="Part of the opening that dust touches: 10% or 0.1.", rich_help_panel=DIRT
+        ),
+    ] = None
+    dust_scale: Annotated[
+        str | None,
+        typer.Option("--dust-scale", help="Size of the largest specks: 0.2mm.", rich_help_panel=DIRT),
+    ] = None
+    dust_stretch: Annotated[
+        float | None,
+        typer.Option(
+            "--dust-stretch", help="How many times longer than broad: 1 to 1000.", rich_help_panel=DIRT
+        ),
+    ] = None
+    dust_angle: Annotated[
+        str | None,
+        typer.Option("--dust-angle", help="Direction of the stretch: 30deg.", rich_help_panel=DIRT),
+    ] = None
+    scratches: Annotated[
+        int | None,
+        typer.Option("--scratches", help="How many scratches.", rich_help_panel=DIRT),
+    ] = None
+    seed: Annotated[
+        int | None,
+        typer.Option("--seed", help="Of dust and scratches: the same gives the same.", rich_help_panel=DIRT),
+    ] = None
+    defocus: Annotated[
+        str | None,
+        typer.Option(
+            "--defocus",
+            help="W20, optical path at the rim over that at the centre: 275nm, or 0.5waves of 550 nm.",
+            rich_help_panel=WAVEFRONT,
+        ),
+    ] = None
+    focus_shift: Annotated[
+        str | None,
+        typer.Option(
+            "--focus-shift",
+            help="Defocus as the way from the sensor to the focus, positive beyond it: 50um.",
+            rich_help_panel=WAVEFRONT,
+        ),
+    ] = None
+    zernike: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--zernike",
+            help=f"Zernike polynomial (Noll) and its RMS: 3,1=30nm or coma-x=0.05waves; repeat it. {NAMES}.",
+            rich_help_panel=WAVEFRONT,
+        ),
+    ] = None
+
+    def values(self) -> dict[str, Any]:
+        """Return what the flags mean, by the names of an `Opening`."""
+        return {
+            "spiders": self.spiders,
+            "spider_width": _length(self.spider_width, "spider-width", "0.1mm"),
+            "spider_rotation": _angle(self.spider_rotation, "spider-rotation"),
+            "dust": None if self.dust is None else ratio(self.dust, "dust"),
+            "dust_scale": _length(self.dust_scale, "dust-scale", "0.2mm"),
+            "dust_stretch": self.dust_stretch,
+            "dust_angle": _angle(self.dust_angle, "dust-angle"),
+            "scratches": self.scratches,
+            "seed": self.seed,
+            "defocus": None if self.defocus is None else path(self.defocus, "defocus"),
+            "focus_shift": _signed_length(self.focus_shift, "focus-shift", "50um"),
+            "zernike": None if not self.zernike else tuple(zernike_term(text) for text in self.zernike),
+        }
+
+
+def with_pupil_flags(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command all of these flags; its parameter `pupil` gets them as `PupilFlags`.
+
+    Parameters
+    ----------
+    command : callable
+        With a parameter `pupil`.
+
+    Returns
+    -------
+    callable
+        With a parameter for each flag instead.
+    """
+    signature = inspect.signature(command)
+    kept = [p for p in signature.parameters.values() if p.name != "pupil"]
+    added = [
+        inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=f.type)
+        for f in fields(PupilFlags)
+    ]
+
+    @functools.wraps(command)
+    def call(**given: Any) -> None:
+        flags = PupilFlags(**{parameter.name: given.pop(parameter.name) for parameter in added})
+        command(**given, pupil=flags)
+
+    parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in kept] + added
+    call.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+    call.__annotations__ = {p.name: p.annotation for p in parameters}
+    return call
+
+
+def ratio(text: str, name: str) -> float:
+    """Read a part of a whole.
+
+    Parameters
+    ----------
+    text : str
+        "0.3" or "30%".
+    name : str
+        The flag's name.
+
+    Returns
+    -------
+    float
+        0.3.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the text is no number.
+    """
+    word = text.strip()
+    try:
+        value = float(word.removesuffix("%"))
+    except ValueError:
+        raise refuse.Refusal(f"'{name}' must be a part such as 30% or 0.3, got '{text}'.") from None
+    return refuse.finite(name, value / 100 if word.endswith("%") else value)
+
+
+def path(text: str, name: str) -> float:
+    """Read an optical path.
+
+    Parameters
+    ----------
+    text : str
+        A length with its unit, or a number of waves of 550 nm: "275nm", "0.5waves".
+    name : str
+        The flag's name.
+
+    Returns
+    -------
+    float
+        Metres.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the text is no such path.
+    """
+    word = text.strip()
+    for unit in ("waves", "wave"):
+        if word.endswith(unit):
+            try:
+                return refuse.finite(name, float(word.removesuffix(unit)) * WAVE)
+            except ValueError:
+                raise refuse.Refusal(f"'{name}' must be a path such as 0.5waves, got '{text}'.") from None
+    return units.length(text, name, "275nm or 0.5waves")
+
+
+def zernike_term(text: str) -> tuple[tuple[int, int], float]:
+    """Read a Zernike polynomial and its root mean square.
+
+    Parameters
+    ----------
+    text : str
+        "3,1=30nm", "coma-x=30nm" or "coma-x=0.05waves".
+
+    Returns
+    -------
+    tuple
+        ((n, m), metres).
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the text is none, or there is no such polynomial.
+    """
+    which, found, rms = text.partition("=")
+    if not found:
+        raise refuse.Refusal(f"'zernike' must be a term and its RMS, such as 3,1=30nm, got '{text}'.")
+    try:
+        orders = tuple(int(part) for part in which.split(","))
+    except ValueError:
+        return aperture.zernike_pair(which.strip()), path(rms, "zernike")
+    if len(orders) != 2:
+        raise refuse.Refusal(f"'zernike' must have two orders n,m, such as 3,1=30nm, got '{text}'.")
+    return aperture.zernike_pair((orders[0], orders[1])), path(rms, "zernike")
+
+
+def _length(text: str | None, name: str, example: str) -> float | None:
+    return None if text is None else refuse.positive(name, units.length(text, name, example))
+
+
+def _signed_length(text: str | None, name: str, example: str) -> float | None:
+    return None if text is None else units.length(text, name, example)
+
+
+def _angle(text: str | None, name: str) -> float | None:
+    return None if text is None else units.angle(text, name)
