@@ -93,9 +93,9 @@ def _nodes(cycles: float) -> int:
     """Return how many nodes integrate so many cycles."""
     following = math.ceil(math.pi * cycles / 2) + 3
     for count in range(1, following):
-        # Gauss's error of cos(2πct) over 0..1: n!⁴ (2πc)^2n / ((2n + 1) (2n)!³).
-        error = math.factorial(count) ** 4 * (2 * math.pi * cycles) ** (2 * count)
-        if error < NODE_ERROR * (2 * count + 1) * math.factorial(2 * count) ** 3:
+        # Gauss's error of cos(2πct) over 0..1: n!⁴ (2πc)^2n / ((2n + 1) (2n)!³), here its logarithm.
+        error = 4 * math.lgamma(count + 1) + 2 * count * math.log(2 * math.pi * max(cycles, 1e-30))
+        if error < math.log(NODE_ERROR * (2 * count + 1)) + 3 * math.lgamma(2 * count + 1):
             return count
     return following
 
