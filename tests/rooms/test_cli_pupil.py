@@ -40,6 +40,25 @@ def test_vanes_have_the_breadth_that_the_default_camera_gives_them(tmp_path, cap
     assert found["open_area_fraction"] == pytest.approx(3 * np.sqrt(3) / 8 - strip, abs=2e-4)
 
 
+def test_a_shadow_is_placed_in_parts_of_the_openings_width(tmp_path, capsys):
+    words = ["aperture", *CIRCLE[:2], "--shadow", "-0.1,0.2,0.5", "-o", tmp_path / "s.png"]
+    found = told(words, capsys)
+    assert found["open_area_fraction"] == pytest.approx(np.pi / 4 * (1 - 0.25), abs=1e-5)
+    dark = picture.read(tmp_path / "s.png").pixels[..., 0] < 0.5
+    at = (np.arange(512) + 0.5) / 512 - 0.5
+    y, x = np.meshgrid(at, at, indexing="ij")
+    inside = dark & (np.hypot(x, y) < 0.49)
+    np.testing.assert_allclose((x[inside].mean(), y[inside].mean()), (-0.1, 0.2), atol=1e-3)
+
+
+def test_a_change_needs_a_picture_of_the_same_size(tmp_path, capsys):
+    before = tmp_path / "before.png"
+    told(["aperture", "--size", "64", "-o", before], capsys)
+    text = refused(["aperture", "--size", "32", "--since", before, "-o", tmp_path / "c.png"], capsys)
+    assert text == "aureole: 'since' must be 32 x 32 pixels, got 64 x 64."
+    assert not (tmp_path / "c.png").exists()
+
+
 def test_obstruction_may_be_a_percentage(tmp_path, capsys):
     found = [
         told(["aperture", *CIRCLE[:2], "--obstruction", text, "-o", tmp_path / "o.png"], capsys)
@@ -167,6 +186,8 @@ def test_energy_that_lies_beyond_the_curve_is_none(tmp_path, capsys):
 BAD = [
     (["--obstruction", "third"], "'obstruction' must be a part such as 30% or 0.3, got 'third'."),
     (["--obstruction", "130%"], "'obstruction' must be a number from 0 to 0.999, got 1.3."),
+    (["--shadow", "0.1,0.2"], "'shadow' must be 3 numbers parted by commas, got '0.1,0.2'."),
+    (["--shadow", "0,0,3"], "lets no light through."),
     (["--spiders", "-3"], "'spiders' must be an integer >= 1, got -3."),
     (["--spider-width", "1mm"], "'spider_width' needs 'spiders'."),
     (["--spiders", "3", "--spider-width", "1"], "'spider-width' needs a unit"),

@@ -132,6 +132,39 @@ def test_a_photograph_as_an_aperture_is_told_what_quads_cost(tmp_path):
     assert "note" not in jobs.finish(jobs.run(jobs.ApertureJob(quadtree=True, size=64))).report
 
 
+def test_a_change_is_drawn_green_where_it_opens_and_red_where_it_covers(tmp_path):
+    """A shadow that moves to the right opens on its left and covers on its right."""
+    shadows = ((-0.1, 0.0, 0.4), (0.0, 0.0, 0.4))
+    before, after = (jobs.Opening(shape="circle", shadow=shadow) for shadow in shadows)
+    earlier = jobs.finish(jobs.run(jobs.ApertureJob(before, size=64))).picture
+    for name in ("before.exr", "before.png"):
+        picture.write(tmp_path / name, earlier)
+        job = jobs.ApertureJob(after, size=64, since=str(tmp_path / name))
+        result = jobs.finish(jobs.run(job))
+        report, pixels = result.report, result.picture.pixels
+        assert 0 < report["quads_opened"] + report["quads_covered"] < report["quads"]
+        # 24 pixels stand for each of the mask's 64; the opening shines at 0.6 and darkness at 0.02.
+        opened, covered, still = (pixels[32 * 24 + 12, column * 24 + 12] for column in (15, 43, 55))
+        assert opened[1] > 3 * opened[0]
+        assert covered[0] > 3 * covered[1]
+        np.testing.assert_allclose(still, 0.6, atol=1e-6)
+    unmoved = jobs.ApertureJob(before, size=64, since=str(tmp_path / "before.exr"))
+    report = jobs.finish(jobs.run(unmoved)).report
+    assert (report["quads_opened"], report["quads_covered"]) == (0, 0)
+
+
+def test_a_shadow_does_not_move_the_disc_of_a_wavefront():
+    whole = jobs.Opening(shape="circle", width=3e-3, defocus=100e-9)
+    from dataclasses import replace
+
+    # It covers the rim on the right, and the middle is left.
+    shaded = replace(whole, shadow=(0.5, 0.0, 0.6))
+    bent, cut = (opening.build("heptagon") for opening in (whole, shaded))
+    lit = cut.mask > 0.5
+    assert 0.5 < lit.sum() / (bent.mask > 0.5).sum() < 0.9
+    np.testing.assert_allclose(cut.wavefront[lit], bent.wavefront[lit], atol=1e-13)
+
+
 def test_a_quads_outline_is_one_pixel_wide():
     from aureole.diffraction import quadtree
     from aureole.jobs.drawing import NEGATIVE, POSITIVE, quadtree_drawing

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from aureole import refuse
-from aureole.diffraction import FINEST, level_mask, paint, quadtree
+from aureole.diffraction import FINEST, difference_quads, level_mask, paint, quadtree
 
 WIDTH = 3e-3
 
@@ -272,3 +272,22 @@ def test_masks_refused(mask, finest, message):
 def test_widths_refused():
     with refused("'width' must be a finite number > 0, got 0."):
         quadtree(np.ones((2, 2)), 0)
+
+
+@pytest.mark.parametrize("finest", ["full", "half"])
+@pytest.mark.parametrize("merge", [False, True])
+def test_a_difference_is_what_it_opens_less_what_it_covers(finest, merge):
+    before, after = mask_of("binary", 32, 1), mask_of("binary", 32, 2)
+    opened, covered = difference_quads(after - before, WIDTH, finest, merge)
+    size = len(level_mask(before, finest))
+    painted = [paint(quads, size, WIDTH) for quads in (opened, covered)]
+    np.testing.assert_allclose(painted[0], level_mask(np.maximum(after - before, 0), finest), atol=1e-12)
+    np.testing.assert_allclose(painted[1], level_mask(np.maximum(before - after, 0), finest), atol=1e-12)
+
+
+def test_a_difference_of_one_pixel_is_one_quad():
+    difference = np.zeros((8, 8))
+    difference[2, 5] = -1
+    opened, covered = difference_quads(difference, WIDTH)
+    assert (len(opened), len(covered)) == (0, 1)
+    assert covered.weights[0] == 1

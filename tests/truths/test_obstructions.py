@@ -1,4 +1,4 @@
-"""Central obstructions and spiders: closed forms, areas, rays."""
+"""Central obstructions, spiders and shadows: closed forms, areas, rays."""
 
 import numpy as np
 import pytest
@@ -87,6 +87,35 @@ def test_vanes_draw_rays_across_themselves(count, rays):
     assert bright[round(across / (2 * np.pi) * 720)]
 
 
+def test_a_shadow_takes_its_own_field_away_where_it_lies():
+    x, y, across = 0.3e-3, -0.5e-3, 1e-3
+    shaded = aperture.shadow(CIRCLE, x, y, across)
+    grid = Grid((31, 32), (0.8 / DIAMETER, 0.6 / DIAMETER))
+    v, u = grid.axes()
+    q = np.hypot(v[:, None], u)
+    turned = np.exp(-2j * np.pi * (u * x + v[:, None] * y))
+    wanted = jinc_field(q, DIAMETER) - jinc_field(q, across) * turned
+    found = diffraction.far_field(shaded, grid, "polygons").amplitude
+    np.testing.assert_allclose(found, wanted, atol=2e-6 * aperture.area(CIRCLE))
+    assert shaded.width == CIRCLE.width
+    assert shaded.name == "circle in shadow"
+
+
+def test_a_shadow_over_the_rim_takes_a_lens_and_one_beside_the_opening_nothing():
+    # Two equal circles a radius apart share (2π/3 − √3/2) r².
+    radius = DIAMETER / 2
+    shared = (2 * np.pi / 3 - np.sqrt(3) / 2) * radius**2
+    shaded = aperture.shadow(CIRCLE, radius, 0, DIAMETER)
+    assert aperture.area(shaded) == pytest.approx(np.pi * radius**2 - shared, rel=1e-6)
+    assert shaded.width == CIRCLE.width
+    beside = aperture.shadow(CIRCLE, 2 * DIAMETER, 0, DIAMETER)
+    assert aperture.area(beside) == pytest.approx(np.pi * radius**2, rel=1e-12)
+    raster = aperture.from_mask(aperture.rasterize(CIRCLE, 256), DIAMETER)
+    assert aperture.area(aperture.shadow(raster, radius, 0, DIAMETER)) == pytest.approx(
+        np.pi * radius**2 - shared, rel=1e-3
+    )
+
+
 def test_rasters_are_obstructed_too():
     raster = aperture.from_mask(aperture.rasterize(CIRCLE, 256), DIAMETER)
     held = aperture.spiders(aperture.obstruction(raster, 0.3), 4, 0.05 * DIAMETER)
@@ -103,6 +132,9 @@ def test_rasters_are_obstructed_too():
         (lambda: aperture.spiders(CIRCLE, 3, 0.0), "'spider width' must be a finite number > 0, got 0."),
         (lambda: aperture.spiders(CIRCLE, 3, 1e-4, np.nan), "'spider rotation' must be a finite number"),
         (lambda: aperture.spiders(CIRCLE, 2, 1.1 * DIAMETER), "lets no light through."),
+        (lambda: aperture.shadow(CIRCLE, 0, 0, 0), "'shadow's diameter' must be a finite number > 0, got 0."),
+        (lambda: aperture.shadow(CIRCLE, np.inf, 0, 1), "'x' must be a finite number"),
+        (lambda: aperture.shadow(CIRCLE, 0, 0, 2 * DIAMETER), "lets no light through."),
     ],
 )
 def test_refusals(make, message):

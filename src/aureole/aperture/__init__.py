@@ -6,7 +6,7 @@ shapes     circle, rectangle, iris, polygon, whirl: openings whose edges are kno
 masks      from_mask, from_picture and rasterize: between openings and pixels
 compose    union, intersection, subtraction, dimmed, scaled, moved, rotated
 dust       dust and scratches: an opening seen through dirt
-obstructions  central discs and spider vanes
+obstructions  central discs, spider vanes and round shadows
 wavefront  wavefront errors of openings, and what pixels do to a wave
 zernike    the polynomials that wavefronts are made of
 geometry   arcs, chords, areas and moments of outlines, for the rooms above
@@ -27,7 +27,7 @@ from aureole.aperture.geometry import (
     ring_moments,
 )
 from aureole.aperture.masks import from_mask, from_picture, rasterize
-from aureole.aperture.obstructions import obstruction, spiders
+from aureole.aperture.obstructions import obstruction, shadow, spiders
 from aureole.aperture.shapes import circle, iris, polygon, rectangle, whirl
 from aureole.aperture.wavefront import (
     bounding_radius,
@@ -68,6 +68,7 @@ __all__ = [
     "rotated",
     "scaled",
     "scratches",
+    "shadow",
     "spiders",
     "steepest_step",
     "subtraction",

@@ -1,4 +1,4 @@
-"""What stands in an opening: a disc in the middle, and the vanes that hold it."""
+"""What stands in an opening or before it: a disc in the middle, the vanes that hold it, a round shadow."""
 
 import math
 from dataclasses import replace
@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from aureole import refuse
-from aureole.aperture.compose import subtraction
+from aureole.aperture.compose import moved, subtraction
 from aureole.aperture.geometry import area
 from aureole.aperture.shapes import circle
 from aureole.aperture.wavefront import bounding_radius
@@ -95,6 +95,33 @@ def spiders(aperture: Aperture, count: int, width: float, rotation: float = 0.0)
     left = subtraction(aperture, Aperture(2 * reach * unit, outlines, name="spiders"))
     vane = "vane" if count == 1 else "vanes"
     return _with_light(replace(left, name=f"{aperture.name} with {count} {vane}"), aperture)
+
+
+def shadow(aperture: Aperture, x: float, y: float, diameter: float) -> Aperture:
+    """Cover an opening by a round shadow, as what stands before the lens casts it (quad paper Fig. 3).
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Outlines, which stay exact where the shadow does not cut them, or a raster.
+    x, y : float
+        Its centre, metres, x to the right, y downward.
+    diameter : float
+        Metres.
+
+    Returns
+    -------
+    Aperture
+        The opening without what the shadow covers, on the same width.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is outside its range, or nothing is left.
+    """
+    disc = moved(circle(refuse.positive("shadow's diameter", diameter)), x, y)
+    left = subtraction(aperture, disc)
+    return _with_light(replace(left, width=aperture.width, name=f"{aperture.name} in shadow"), aperture)
 
 
 def _with_light(left: Aperture, whole: Aperture) -> Aperture:

@@ -8,7 +8,7 @@ import typer
 from aureole import jobs, light, presets, refuse
 from aureole.cli import bench, options, output, runs
 from aureole.cli.options import FILES, ShapeFlags
-from aureole.cli.pupil_options import PupilFlags, with_pupil_flags
+from aureole.cli.pupil_options import PupilFlags, numbers, with_pupil_flags
 
 app = typer.Typer(
     help="Add the light that a camera adds to a picture, from physics.\n\n"
@@ -89,7 +89,7 @@ def glare(
     )
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
     files = runs.GlareFiles(source, out, psf, preview, matte, pixel_type, nan, color_config, color_space)
-    look = runs.Look(illuminant, mode, threshold, knee, gain, options.numbers(tint, "tint", 3), precision)
+    look = runs.Look(illuminant, mode, threshold, knee, gain, numbers(tint, "tint", 3), precision)
     limits = (kernel_size, options.pixel_pitch(pitch), options.memory(memory))
     runs.glare(camera, files, look, *limits, as_json)
 
@@ -181,6 +181,7 @@ def aperture(
         bool, typer.Option("--quadtree", help="Outline the quads: positive blue, negative red.")
     ] = False,
     merge: Annotated[bool, typer.Option("--merge", help="Merge quads across the tree's levels.")] = False,
+    since: options.Since = None,
     as_json: options.Json = False,
 ) -> None:
     """Draw an aperture, and count what its transforms cost.
@@ -196,11 +197,17 @@ def aperture(
         aureole aperture --quadtree --merge --size 128 -o merged.png
 
         aureole aperture --dust 10% --scratches 5 --defocus 0.5waves -o dirty.png
+
+        aureole aperture --shadow 0.1,0,0.4 -o before.exr
+
+        aureole aperture --shadow 0.14,0,0.4 --since before.exr -o change.png
     """
     flags = ShapeFlags(
         shape, blades, curvature, rotation, obstruction, width, height, aperture_picture, pupil
     )
-    runs.aperture(jobs.ApertureJob(flags.opening(), iris, size, finest, quadtree, merge), out, as_json)
+    earlier = None if since is None else str(since)
+    job = jobs.ApertureJob(flags.opening(), iris, size, finest, quadtree, merge, earlier)
+    runs.aperture(job, out, as_json)
 
 
 @app.command()

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import typer
 
@@ -65,6 +65,14 @@ Height = Annotated[
 ApertureFile = Annotated[
     Path | None,
     typer.Option("--aperture-picture", help="Picture whose white lets light through.", rich_help_panel=SHAPE),
+]
+Since = Annotated[
+    Path | None,
+    typer.Option(
+        "--since",
+        help="Picture of it a moment before: draw the change's quads, opened green, covered red.",
+        rich_help_panel=FILES,
+    ),
 ]
 Illuminant = Annotated[
     str,
@@ -339,32 +347,6 @@ def memory(text: str | None) -> int | None:
             f"'memory' must be an amount with its unit, such as 8GB, got '{text}'."
         ) from None
     return int(refuse.positive("memory", amount))
-
-
-def numbers(text: str, name: str, count: int) -> tuple[Any, ...]:
-    """Read numbers that are parted by commas.
-
-    Parameters
-    ----------
-    text : str
-        Such as "1,0.9,0.8".
-    name : str
-        The flag's name.
-    count : int
-        How many there must be.
-
-    Returns
-    -------
-    tuple of float
-        The numbers.
-    """
-    try:
-        values = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        values = ()
-    if len(values) != count:
-        raise refuse.Refusal(f"'{name}' must be {count} numbers parted by commas, got '{text}'.")
-    return tuple(refuse.finite(name, value) for value in values)
 
 
 def _length(text: str | None, name: str, example: str) -> float | None:

@@ -10,7 +10,7 @@ import typer
 
 from aureole import aperture, refuse, units
 
-SPIDERS, DIRT, WAVEFRONT = "Aperture: vanes", "Aperture: dust and scratches", "Aperture: wavefront"
+SPIDERS, DIRT, WAVEFRONT = "Aperture: vanes and shadow", "Aperture: dust and scratches", "Aperture: wavefront"
 # A wave, where a path is given in waves.
 WAVE = 550e-9
 NAMES = ", ".join(name for name in aperture.ZERNIKE_NAMES if name != "piston")
@@ -24,6 +24,8 @@ class PupilFlags:
     ----------
     spiders, spider_width, spider_rotation : optional
         Vanes.
+    shadow : optional
+        What stands before the lens.
     dust, dust_scale, dust_stretch, dust_angle, scratches, seed : optional
         Dirt.
     defocus, focus_shift, zernike : optional
@@ -42,6 +44,15 @@ class PupilFlags:
         str | None,
         typer.Option(
             "--spider-rotation", help="Direction of the first vane: 45deg.", rich_help_panel=SPIDERS
+        ),
+    ] = None
+    shadow: Annotated[
+        str | None,
+        typer.Option(
+            "--shadow",
+            help="Round shadow: x,y of its centre, y downward, and its diameter, in parts of the opening's "
+            "width: 0.2,-0.1,0.5.",
+            rich_help_panel=SPIDERS,
         ),
     ] = None
     dust: Annotated[
@@ -103,6 +114,7 @@ class PupilFlags:
             "spiders": self.spiders,
             "spider_width": _length(self.spider_width, "spider-width", "0.1mm"),
             "spider_rotation": _angle(self.spider_rotation, "spider-rotation"),
+            "shadow": None if self.shadow is None else numbers(self.shadow, "shadow", 3),
             "dust": None if self.dust is None else ratio(self.dust, "dust"),
             "dust_scale": _length(self.dust_scale, "dust-scale", "0.2mm"),
             "dust_stretch": self.dust_stretch,
@@ -144,6 +156,32 @@ def with_pupil_flags(command: Callable[..., None]) -> Callable[..., None]:
     call.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
     call.__annotations__ = {p.name: p.annotation for p in parameters}
     return call
+
+
+def numbers(text: str, name: str, count: int) -> tuple[Any, ...]:
+    """Read numbers that are parted by commas.
+
+    Parameters
+    ----------
+    text : str
+        Such as "1,0.9,0.8".
+    name : str
+        The flag's name.
+    count : int
+        How many there must be.
+
+    Returns
+    -------
+    tuple of float
+        The numbers.
+    """
+    try:
+        values = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        values = ()
+    if len(values) != count:
+        raise refuse.Refusal(f"'{name}' must be {count} numbers parted by commas, got '{text}'.")
+    return tuple(refuse.finite(name, value) for value in values)
 
 
 def ratio(text: str, name: str) -> float:

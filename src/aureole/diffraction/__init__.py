@@ -21,7 +21,7 @@ starburst   a whole starburst over all wavelengths, point samples or pixel integ
 from aureole.diffraction.far import METHODS, check_grid, far_field, far_power
 from aureole.diffraction.measures import cutoff_frequency, encircled_energy, mtf, optical_transfer, strehl
 from aureole.diffraction.progressive import ProgressiveFarField
-from aureole.diffraction.quadtree import FINEST, Quads, level_mask, paint, quadtree
+from aureole.diffraction.quadtree import FINEST, Quads, difference_quads, level_mask, paint, quadtree
 from aureole.diffraction.starburst import starburst, starburst_stages
 
 __all__ = [
@@ -31,6 +31,7 @@ __all__ = [
     "Quads",
     "check_grid",
     "cutoff_frequency",
+    "difference_quads",
     "encircled_energy",
     "far_field",
     "far_power",

@@ -16,7 +16,7 @@ from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction import _kernels_progressive as kernels
 from aureole.diffraction.far import RASTER_SIZE, check_grid
-from aureole.diffraction.quadtree import Quads, quadtree
+from aureole.diffraction.quadtree import Quads, difference_quads
 from aureole.records import Aperture, Field, Grid
 
 F32 = NDArray[np.float32]
@@ -157,8 +157,7 @@ class ProgressiveFarField:
         whole = np.zeros_like(self._mask)
         values, top, left = self._change.values, self._change.top, self._change.left
         whole[top : top + len(values), left : left + values.shape[1]] = values
-        positive, negative = np.maximum(whole, 0), np.maximum(-whole, 0)
-        return _merged(quadtree(positive, self._width)), _merged(quadtree(negative, self._width))
+        return difference_quads(whole, self._width)
 
     def _mask_of(self, aperture: Aperture) -> F32:
         """Return an aperture's pixels, refusing what does not fit the first one."""
@@ -232,27 +231,6 @@ class ProgressiveFarField:
         turn_x[:, : len(self._columns.frequencies)] = _turns(self._columns.frequencies * x)
         add = kernels.add_mirrored if self._mirrored else kernels.add_plain
         add(left, right, starts, turn_y, turn_x, self._field.view(np.float32), self._power)
-
-
-def _merged(quads: Quads) -> Quads:
-    """Merge rectangles of one weight that share a whole side, along x and along y, as long as any do."""
-    rectangles, weights = quads.rectangles, quads.weights
-    along_x = True
-    tries = 0
-    while tries < 2:
-        a, b, low, high = (1, 3, 0, 2) if along_x else (0, 2, 1, 3)
-        order = np.lexsort((rectangles[:, low], rectangles[:, b], rectangles[:, a], weights))
-        rectangles, weights = rectangles[order], weights[order]
-        before, after = rectangles[:-1], rectangles[1:]
-        joined = (before[:, [a, b, high]] == after[:, [a, b, low]]).all(axis=1)
-        joined &= weights[:-1] == weights[1:]
-        first, last = np.append(True, ~joined)[: len(weights)], np.append(~joined, True)[: len(weights)]
-        ends = rectangles[last, high]
-        rectangles, weights = rectangles[first], weights[first]
-        rectangles[:, high] = ends
-        tries = 0 if joined.any() else tries + 1
-        along_x = not along_x
-    return Quads(rectangles, weights)
 
 
 def _axis(frequencies: NDArray[np.float64], size: int, pixel: float) -> _Axis:

@@ -133,6 +133,40 @@ def _merged_along(
     return merged, np.where(up < down, 1.0, -1.0) * magnitudes[across % size]
 
 
+def difference_quads(
+    difference: ArrayLike, width: float, finest: str = "full", merge: bool = True
+) -> tuple[Quads, Quads]:
+    """Break the difference of two masks into rectangles to add and rectangles to take away.
+
+    Both parts are extracted on their own (quad paper §4.3, Fig. 3).
+
+    Parameters
+    ----------
+    difference : array_like, shape (n, n)
+        The later mask less the earlier one.
+    width : float
+        Side of the masks, metres.
+    finest : str
+        As in `quadtree`.
+    merge : bool
+        As in `quadtree`.
+
+    Returns
+    -------
+    tuple of Quads
+        Of what the change opens, and of what it covers; the weights of the latter are those of its
+        absolute value.
+
+    Raises
+    ------
+    refuse.Refusal
+        As in `quadtree`.
+    """
+    change = np.asarray(difference)
+    opened, covered = np.maximum(change, 0), np.maximum(-change, 0)
+    return quadtree(opened, width, finest, merge), quadtree(covered, width, finest, merge)
+
+
 def level_mask(mask: ArrayLike, finest: str = "full") -> NDArray[np.float64]:
     """Return the mask that a quadtree of a finest level stands for.
 

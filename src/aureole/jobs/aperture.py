@@ -5,14 +5,18 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import diffraction, picture, refuse
-from aureole.jobs.drawing import quadtree_drawing, wavefront_drawing
+from aureole.diffraction import Quads
+from aureole.jobs.drawing import change_drawing, quadtree_drawing, wavefront_drawing
 from aureole.jobs.optics import DEFAULT_CAMERA, Opening
 from aureole.presets import load
 from aureole.records import Aperture, Picture, Stage
 
+# A change of transmittance below one step of an 8-bit picture is none.
+LEAST_CHANGE = 0.01
 # Quads a pixel from which on they do not pay.
 TOO_MANY = 0.25
 
@@ -35,6 +39,9 @@ class ApertureJob:
         Whether to draw the quads, too.
     merge : bool
         Whether to merge quads across the tree's levels.
+    since : str, optional
+        Picture of the opening a moment before, as this job draws it; only the quads of the change are
+        drawn and counted.
     """
 
     opening: Opening = field(default_factory=Opening)
@@ -43,6 +50,7 @@ class ApertureJob:
     finest: str = "full"
     quadtree: bool = False
     merge: bool = False
+    since: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +113,25 @@ def run_aperture(job: ApertureJob) -> Iterator[Stage]:
     pixels = np.repeat(mask[..., None], 3, axis=2)
     if job.quadtree:
         pixels = quadtree_drawing(quads, diffraction.level_mask(mask, job.finest), shape.width)
+    if job.since is not None:
+        opened, covered = _changed(job, mask, shape.width)
+        report |= {"quads_opened": len(opened), "quads_covered": len(covered)}
+        pixels = change_drawing(opened, covered, diffraction.level_mask(mask, job.finest), shape.width)
     if shape.wavefront is not None and shape.mask is not None:
         report["wavefront_rms_m"] = apertures.wavefront_rms(shape)
         report["wavefront_peak_to_valley_m"] = float(np.ptp(shape.wavefront[shape.mask > 0]))
         pixels = picture.side_by_side([pixels, wavefront_drawing(shape, len(pixels))])
     yield Stage(1.0, "aperture", ApertureResult(Picture(pixels), shape, report))
+
+
+def _changed(job: ApertureJob, mask: NDArray[np.float32], width: float) -> tuple[Quads, Quads]:
+    """Return the quads that were opened and covered since the picture was drawn."""
+    assert job.since is not None
+    before = apertures.from_picture(picture.read(job.since), width).mask
+    assert before is not None
+    if before.shape != mask.shape:
+        rows, columns = before.shape
+        raise refuse.Refusal(f"'since' must be {job.size} x {job.size} pixels, got {columns} x {rows}.")
+    difference = mask - before
+    difference[np.abs(difference) < LEAST_CHANGE] = 0
+    return diffraction.difference_quads(difference, width, job.finest, job.merge)

@@ -56,6 +56,8 @@ class Opening:
         Breadth of a vane, metres; 2 % of the opening's width where it is left out.
     spider_rotation : float, optional
         Direction of the first vane, radians, counter-clockwise as seen.
+    shadow : tuple of float, optional
+        A round shadow's centre (x, y), y downward, and diameter, in parts of the opening's width.
     dust : float, optional
         Part of the opening that dust touches, 0 to 1.
     dust_scale : float, optional
@@ -85,6 +87,7 @@ class Opening:
     spiders: int | None = None
     spider_width: float | None = None
     spider_rotation: float | None = None
+    shadow: tuple[float, float, float] | None = None
     dust: float | None = None
     dust_scale: float | None = None
     dust_stretch: float | None = None
@@ -131,12 +134,15 @@ class Opening:
         obstruction = preset.obstruction if self.obstruction is None else self.obstruction
         if obstruction:
             whole = apertures.obstruction(whole, obstruction)
+        # What comes now must not move the disc on which the wavefront stands.
+        radius = apertures.bounding_radius(whole)
+        if self.shadow is not None:
+            x, y, diameter = (part * whole.width for part in self.shadow)
+            whole = apertures.shadow(whole, x, y, diameter)
         dirty, bent = bool(self.dust or self.scratches), self._is_bent()
         if not dirty and not bent:
             return whole
         f_number = None if focal_length is None else focal_length / whole.width
-        # Dirt must not move the disc on which the wavefront stands.
-        radius = apertures.bounding_radius(whole)
         pixels = self._pixels(whole, f_number, radius)
         whole = self._dirty(whole, pixels) if dirty else whole
         return self._with_wavefront(whole, pixels, f_number, radius) if bent else whole
