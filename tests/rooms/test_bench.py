@@ -265,13 +265,13 @@ def test_the_starbursts_reference_holds_the_lights_white():
 
 def test_alternate_takes_medians_in_turn():
     calls = []
-    tasks = {"a": lambda: calls.append("a"), "b": lambda: calls.append("b"), "c": lambda: calls.append("c")}
-    stages = timing.alternate(tasks, 3, once=["c"])
+    tasks = {name: lambda name=name: calls.append(name) for name in "abcdef"}
+    stages = timing.alternate(tasks, 3, once=["c", "d", "e", "f"])
     told, medians = drained(stages)
     assert all(0 <= stage.fraction < 1 for stage in told)
-    assert set(medians) == {"a", "b", "c"}
-    # One call warms a and b; c is warm already and is timed at its first call.
-    assert calls == ["a", "b", "c"] + ["a", "b"] * 3
+    assert set(medians) == set("abcdef")
+    # One call warms a and b; the others are warm already, and one is timed in each round while they last.
+    assert "".join(calls) == "ab" + "abcf" + "abd" + "abe"
 
 
 def test_a_slow_task_is_timed_less_often():

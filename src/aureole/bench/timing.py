@@ -40,7 +40,8 @@ def alternate(
     runs : int
         How often each is timed.
     once : collection of str
-        Tasks that are warm already and take very long: timed at their first and only call.
+        Tasks that are warm already and take very long: called once, one a round, so that each lies
+        beside a run of the others.
     label : str
         What is being timed, for a person.
     patience : float
@@ -58,16 +59,15 @@ def alternate(
     """
     taken: dict[str, list[float]] = {name: [] for name in tasks}
     wanted = dict.fromkeys(tasks, runs)
+    turn = {name: 1 + index % runs for index, name in enumerate(once)}
     total = (runs + 1) * len(tasks)
     for run in range(runs + 1):
         for index, (name, task) in enumerate(tasks.items()):
-            if len(taken[name]) == wanted[name]:
+            if len(taken[name]) == wanted[name] or turn.get(name, run) != run:
                 continue
             yield Stage((run * len(tasks) + index) / total, f"{label} {name}".strip())
             spent = milliseconds(task)
-            if name in once:
-                wanted[name] = 1
-            elif not run:
+            if not run:
                 wanted[name] = max(1, min(runs, int(patience * 1e3 / max(spent, 1e-3))))
                 continue
             taken[name].append(spent)
