@@ -146,14 +146,14 @@ def test_inputs_stay_untouched():
         (
             (noise((4, 4)), None),
             {"method": "fall"},
-            "'method' must be one of 'auto', 'reference', 'full', got 'fall'.",
+            "'method' must be one of 'auto', 'reference', 'full', 'batch', 'rays', got 'fall'.",
         ),
         (
             (noise((4, 4)), None),
             {"interpolation": "spline"},
             "'interpolation' must be one of 'linear', 'cubic'",
         ),
-        ((noise((4, 4)), None), {"samples": 0}, "'count' must be an integer >= 1, got 0."),
+        ((noise((4, 4)), None), {"samples": 0}, "'samples' must be an integer >= 1, got 0."),
         ((noise((4, 4)), -1.0), {}, "'reference_wavelength' must be a finite number > 0, got -1."),
         (
             (noise((4, 4)), 500e-9),

@@ -8,6 +8,7 @@ from aureole.records import Grid, Pattern
 
 REFERENCE = 550e-9
 WIDTH = 20.0  # of the Gaussian, in samples
+SAMPLED = [method for method in light.METHODS if method != "reference"]
 NAMES = ["E", "D65", "A", "F1", "blackbody:2000K", "line:620nm"]
 
 
@@ -41,7 +42,9 @@ def test_a_gaussian_has_a_closed_form(name, method):
     found = light.spectral_sum(
         sampled(), None, light.illuminant(name), method, grid=grid, interpolation="cubic"
     ).pixels
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=1.5e-4 * wanted.max())
+    # "batch" interpolates its second pass linearly and has 15 bands.
+    error = 3e-3 if method == "batch" else 1.5e-4
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=error * wanted.max())
 
 
 def test_an_exact_pattern_leaves_only_the_sampling_of_wavelengths():
@@ -73,13 +76,18 @@ def test_interpolation_gets_better_with_the_grid(interpolation):
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize(("method", "samples"), [("reference", 5), ("full", 5), ("full", 60)])
+@pytest.mark.parametrize(
+    ("method", "samples"), [("reference", 5), ("full", 5), ("full", 60), ("batch", 60), ("rays", 60)]
+)
 def test_energy_goes_into_each_channel_in_proportion_to_the_white(name, method, samples):
     spectrum = light.illuminant(name)
+    if spectrum.kind == "lines" and method in ("batch", "rays"):
+        method = "full"  # these refuse lines
     pixels = light.spectral_sum(
         sampled(), None, spectrum, method, samples=samples, interpolation="cubic"
     ).pixels
-    np.testing.assert_allclose(pixels.sum(axis=(0, 1), dtype=float), light.white(spectrum), rtol=5e-5)
+    error = 5e-4 if method == "batch" else 5e-5  # its second pass is linear
+    np.testing.assert_allclose(pixels.sum(axis=(0, 1), dtype=float), light.white(spectrum), rtol=error)
 
 
 @pytest.mark.parametrize("spacing", [0.5, 1.0, 2.0])
@@ -100,7 +108,7 @@ def test_the_sum_of_a_pattern_is_neutral_whatever_the_light(name, space):
     np.testing.assert_allclose(totals, 1.0, rtol=5e-5)
 
 
-@pytest.mark.parametrize("method", list(light.METHODS))
+@pytest.mark.parametrize("method", ["reference", "full"])
 @pytest.mark.parametrize("interpolation", ["linear", "cubic"])
 def test_a_line_at_the_reference_gives_the_pattern_back(method, interpolation):
     pattern = sampled((32, 33))
@@ -111,7 +119,7 @@ def test_a_line_at_the_reference_gives_the_pattern_back(method, interpolation):
     np.testing.assert_allclose(made, wanted, rtol=3e-6, atol=1e-12)
 
 
-@pytest.mark.parametrize("method", list(light.METHODS))
+@pytest.mark.parametrize("method", ["reference", "full"])
 def test_twice_the_frequency_at_half_the_wavelength(method):
     """Similarity: a line at λ_r / 2 shows four times the pattern, at half the size."""
     pattern = Pattern(sampled((64, 64)).intensity, Grid((64, 64), (1.0, 1.0)), 900e-9, 1.0)
@@ -148,3 +156,71 @@ def test_red_lies_outside_violet():
     pixels = light.spectral_sum(sampled(), None, light.illuminant("E")).pixels
     redness = pixels[128, 128:160, 0] / pixels[128, 128:160, 2]
     assert np.all(np.diff(redness) > 0)
+
+
+def over_the_table(spectrum, power):
+    """Σ of weight × ρ^power over the 1 nm table: (3,)."""
+    wavelengths, functions = light.observer()
+    density = np.interp(wavelengths, spectrum.wavelengths, spectrum.values, left=0.0, right=0.0)
+    weights = density[:, None] * functions
+    return ((REFERENCE / wavelengths)[:, None] ** power * weights).sum(axis=0) / weights[:, 1].sum()
+
+
+@pytest.mark.parametrize("method", SAMPLED)
+@pytest.mark.parametrize("name", ["E", "A", "F1"])
+@pytest.mark.parametrize("symmetric", [False, True])
+def test_a_constant_pattern_keeps_its_value_times_the_mean_square_scale(method, name, symmetric):
+    """S_c = Σ w ρ², at every pixel whose wavelengths all lie within the pattern."""
+    pattern = Pattern(np.full((241, 240), 0.3, np.float32), Grid((241, 240), (1, 1)), REFERENCE, 1.0)
+    target, spectrum = Grid((100, 101), (1.3, 1.3)), light.illuminant(name)
+    found = light.spectral_sum(pattern, None, spectrum, method, grid=target, symmetric=symmetric).pixels
+    wanted = np.broadcast_to(0.3 * over_the_table(spectrum, 2), found.shape)
+    np.testing.assert_allclose(found, wanted, rtol=5e-3 if method == "batch" else 5e-4)
+
+
+@pytest.mark.parametrize("method", SAMPLED)
+@pytest.mark.parametrize("power", [1, 2, 3, 4])
+def test_power_laws_keep_their_slope(method, power):
+    """|q|^−p becomes |q|^−p Σ w ρ^(2 − p): neutral for p = 2, bluer below, redder above."""
+    grid = Grid((401, 401), (1.0, 1.0))
+    y, x = grid.axes()
+    radius = np.hypot(y[:, None], x[None, :])
+    falling = np.where(radius > 2, radius, 2.0) ** -float(power)
+    pattern = Pattern(falling.astype(np.float32), grid, REFERENCE, 1.0)
+    spectrum = light.illuminant("E")
+    found = light.spectral_sum(pattern, None, spectrum, method, symmetric=True, interpolation="cubic").pixels
+    ring = (radius > 20) & (radius < 135)
+    relative = found[ring] * radius[ring, None] ** power
+    wanted = np.broadcast_to(over_the_table(spectrum, 2 - power), relative.shape)
+    np.testing.assert_allclose(relative, wanted, rtol=1.2e-2 if method == "batch" else 2e-3)
+
+
+@pytest.mark.parametrize("method", SAMPLED)
+@pytest.mark.parametrize("wavelength", [400e-9, 529e-9, 780e-9])
+def test_the_reference_wavelength_is_free(method, wavelength):
+    """The same light through the same opening, in the same directions, whatever the label of its pattern."""
+    ratio = wavelength / REFERENCE
+    pattern = sampled((301, 301))
+    relabelled = Pattern(pattern.intensity, pattern.grid, wavelength, 1.0)
+    first, second = (
+        light.spectral_sum(each, None, light.illuminant("E"), method, grid=grid, interpolation="cubic").pixels
+        for each, grid in (
+            (pattern, Grid((41, 40), (1.5, 1.5))),
+            (relabelled, Grid((41, 40), (1.5 / ratio, 1.5 / ratio))),
+        )
+    )
+    np.testing.assert_allclose(second / ratio**2, first, rtol=0, atol=3e-4 * first.max())
+
+
+def test_streaks_of_a_slit_sum_to_their_mean():
+    """Far out a wide spectrum leaves half of sin²: S_c → Σ w ρ² / (2 (π ρ u)²) of sinc²."""
+    grid = Grid((65, 1501), (0.125, 0.125))
+    u = grid.axes()[1]
+    pattern = Pattern(np.tile(np.sinc(u) ** 2, (65, 1)).astype(np.float32), grid, REFERENCE, 1.0)
+    target = Grid((1, 161), (0.125, 0.125), (0.0, 45.0))
+    pixels = light.spectral_sum(
+        pattern, None, light.illuminant("E"), "rays", grid=target, interpolation="cubic"
+    ).pixels
+    wanted = over_the_table(light.illuminant("E"), 0) / (2 * np.pi**2)
+    relative = pixels[0] * target.axes()[1][:, None] ** 2
+    np.testing.assert_allclose(relative, np.broadcast_to(wanted, relative.shape), rtol=2e-2)

@@ -8,8 +8,11 @@ and from there one in a linear RGB space.
 - `illuminants.py`: E, A, D65, F1, and "blackbody:3200K" or "line:550nm" as text.
 - `observer.py`: the CIE 1931 2° observer; a spectrum's XYZ and white; the weights of a spectral sum.
 - `spaces.py`: linear colour spaces, the matrices between them, adaptation from white to white.
-- `spectral.py`: the spectral sum in METHODS: "reference" and "full".
-- `_kernels.py`: the heavy loop of "full".
+- `spectral.py`: the spectral sum in METHODS; "reference" and the choice of "auto".
+- `scaling.py`: what one spectral sum is asked to do, and where its scaled samples lie.
+- `lookups.py`: "full", a look-up a wavelength, and "batch", the two passes of the quad paper.
+- `rays.py`: "rays", all wavelengths along rays from the origin.
+- `_kernels*.py`: the heavy loops.
 """
 
 from aureole.light.illuminants import ILLUMINANTS, illuminant

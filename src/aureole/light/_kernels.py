@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 BEFORE = 3
 AFTER = 4
-GROUP = 4
+GROUP = 5
 _BLOCK = 8  # output rows that share one set of buffers
 
 
@@ -52,12 +52,13 @@ def _cubic_line(padded, row, t, index, fraction, blended, line):  # type: ignore
 
 @njit(cache=True, fastmath={"contract"}, inline="always")
 def _add_group(lines, weights, first, sums):  # type: ignore[no-untyped-def]
-    """Add four wavelengths' samples of one row to its three channels."""
+    """Add five wavelengths' samples of one row to its three channels."""
     for channel in range(3):
         w0, w1 = weights[first, channel], weights[first + 1, channel]
-        w2, w3 = weights[first + 2, channel], weights[first + 3, channel]
+        w2, w3, w4 = weights[first + 2, channel], weights[first + 3, channel], weights[first + 4, channel]
         for j in range(sums.shape[1]):
-            sums[channel, j] += (w0 * lines[0, j] + w1 * lines[1, j]) + (w2 * lines[2, j] + w3 * lines[3, j])
+            pairs = (w0 * lines[0, j] + w1 * lines[1, j]) + (w2 * lines[2, j] + w3 * lines[3, j])
+            sums[channel, j] += pairs + w4 * lines[4, j]
 
 
 @njit(cache=True, parallel=True, fastmath={"contract"})
@@ -98,3 +99,17 @@ def sum_wavelengths(
             for j in range(columns):
                 for channel in range(3):
                     out[i, j, channel] = sums[channel, j]
+
+
+@njit(cache=True, parallel=True)
+def turn(pixels: NDArray[np.float32], centre: int) -> None:
+    """Fill the rows below `centre` of pixels (R, C, 3) with those above, turned by 180°.
+
+    Where C is even the first column has no partner and is left as it was.
+    """
+    rows, columns = pixels.shape[:2]
+    lone = 1 - columns % 2
+    for i in prange(centre + 1, rows):
+        for j in range(lone, columns):
+            for channel in range(3):
+                pixels[i, j, channel] = pixels[2 * centre - i, columns - 1 + lone - j, channel]

@@ -4,6 +4,8 @@ Integrals are trapezoids over the union of the observer's nanometres and the spe
 for a spectrum on whole nanometres this is the CIE's sum over its table.
 """
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -41,7 +43,7 @@ def tristimulus(spectrum: Spectrum) -> NDArray[np.float64]:
     """
     if spectrum.kind == "lines":
         return np.asarray(spectrum.values @ _responses(spectrum.wavelengths), dtype=np.float64)
-    total: NDArray[np.float64] = _segments(spectrum, _nodes(spectrum)).sum(axis=0)
+    total: NDArray[np.float64] = _own_segments(spectrum)[1].sum(axis=0)
     return total
 
 
@@ -117,32 +119,75 @@ def quadrature(
     low, high = refuse.positive("low", low), refuse.positive("high", high)
     if not low < high:
         raise refuse.Refusal(f"'low' must be less than 'high', got {low:g} and {high:g}.")
-    total = white(spectrum)
     if spectrum.kind == "lines":
         wavelengths, weights = (
             spectrum.wavelengths,
             spectrum.values[:, None] * _responses(spectrum.wavelengths),
         )
     else:
-        wavelengths, weights = _cells(spectrum, count, low, high)
+        edges = np.linspace(*lit_range(spectrum, low, high), count + 1)
+        wavelengths, weights = _cells(spectrum, edges)
     seen = weights.sum(axis=1) > 0
-    sums = weights.sum(axis=0)
-    scale = np.divide(total, sums, out=np.zeros(3), where=sums > 0)
-    return wavelengths[seen], weights[seen] * scale
+    return wavelengths[seen], _to_white(weights, spectrum)[seen]
 
 
-def _cells(
-    spectrum: Spectrum, count: int, low: float, high: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Integrate over equal cells; return their mean wavelengths (count,) and integrals (count, 3)."""
-    nodes = _nodes(spectrum)
-    lit = np.flatnonzero(_segments(spectrum, nodes).any(axis=1))
-    first, last = nodes[lit[0]], nodes[lit[-1] + 1]
+def bands(spectrum: Spectrum, edges: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weigh bands of wavelengths for X, Y and Z.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        Of kind "power", with light between 360 and 830 nm.
+    edges : ndarray of float64, shape (B + 1,)
+        Metres, rising. Light beyond them counts for the outermost bands.
+
+    Returns
+    -------
+    ndarray of float64, shape (B, 3)
+        The integral of spectrum × observer over each band; their sum is `white(spectrum)`.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the observer does not see the spectrum.
+    """
+    return _to_white(_cells(spectrum, edges)[1], spectrum)
+
+
+def lit_range(spectrum: Spectrum, low: float, high: float) -> tuple[float, float]:
+    """Narrow a range of wavelengths to where the observer sees light of a spectrum.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        Of kind "power", with light between 360 and 830 nm.
+    low, high : float
+        The range in metres.
+
+    Returns
+    -------
+    tuple of float
+        The range's lit part; all that is lit where the range has no light.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the observer does not see the spectrum.
+    """
+    white(spectrum)
+    nodes, segments = _own_segments(spectrum)
+    lit = np.flatnonzero(segments.any(axis=1))
+    first, last = float(nodes[lit[0]]), float(nodes[lit[-1] + 1])
     if max(low, first) < min(high, last):
-        first, last = max(low, first), min(high, last)
-    edges = np.linspace(first, last, count + 1)
+        return max(low, first), min(high, last)
+    return first, last
+
+
+def _cells(spectrum: Spectrum, edges: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Integrate over cells between edges; return their mean wavelengths (C,) and integrals (C, 3)."""
+    count = edges.size - 1
     # The cells' edges become nodes too, so that no segment spans two cells.
-    nodes = np.union1d(nodes, edges)
+    nodes = np.union1d(_nodes(spectrum), edges)
     segments = _segments(spectrum, nodes)
     middles = 0.5 * (nodes[1:] + nodes[:-1])
     cell = np.clip(np.searchsorted(edges, middles) - 1, 0, count - 1)
@@ -152,6 +197,20 @@ def _cells(
     moments = np.bincount(cell, middles * segments.sum(axis=1), count)
     mass = weights.sum(axis=1)
     return np.divide(moments, mass, out=np.zeros(count), where=mass > 0), weights
+
+
+def _to_white(weights: NDArray[np.float64], spectrum: Spectrum) -> NDArray[np.float64]:
+    """Scale weights (W, 3) so that their sum is the light's white."""
+    sums = weights.sum(axis=0)
+    scaled: NDArray[np.float64] = weights * np.divide(white(spectrum), sums, out=np.zeros(3), where=sums > 0)
+    return scaled
+
+
+@lru_cache(maxsize=8)
+def _own_segments(spectrum: Spectrum) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the nodes of a spectrum, (N,), and its integrals between them, (N − 1, 3)."""
+    nodes = _nodes(spectrum)
+    return nodes, _segments(spectrum, nodes)
 
 
 def _nodes(spectrum: Spectrum) -> NDArray[np.float64]:
