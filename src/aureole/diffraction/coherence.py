@@ -226,7 +226,7 @@ def _edge_tables(
 
 
 def _above(
-    heights: NDArray[np.float64], ratios: NDArray[np.float64], density: NDArray[np.floating]
+    heights: NDArray[np.floating], ratios: NDArray[np.float64], density: NDArray[np.floating]
 ) -> NDArray[np.float64]:
     """Return the sum (Y, 3) of a density (W, 3) over the ρ above each height, as if it were continuous."""
     order = np.argsort(ratios)
