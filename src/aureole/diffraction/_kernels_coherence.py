@@ -3,6 +3,10 @@
 A table (T, 4) holds the channels side by side, the fourth unused, so that a look-up reads neighbouring
 numbers. Its first entry lies one step before zero and two lie beyond its last, for Lagrange's cubic
 through four entries. Positions are unsigned, because signed ones cost a check for wrap-around a look-up.
+
+Along a row, q·(v_m − v_n) rises by the same step from one column to the next. So the table of a pair of
+corners is also laid out in phases of that step: a stretch of a row then reads neighbouring numbers of the
+two phases about its own, and blends them.
 """
 
 import math
@@ -14,7 +18,82 @@ from numpy.typing import NDArray
 # Differences over a smaller step than this, in fringes, are taken as slopes; over a step below SHORT both
 # ends share the mean of their tables, lest their pixels' factors be divided by next to nothing.
 SMALLEST, SHORT = 0.05, 0.5
+# Places within so many table steps of each other have one value.
+ALIKE = 0.01
 FAST = {"contract", "arcp", "nsz"}
+
+
+@numba.njit(cache=True, inline="always")
+def _cubic(table, place, factor, line):  # type: ignore[no-untyped-def]
+    """Add a factor times a table's values at a place in steps to a line's four channels."""
+    index = np.uint32(place)
+    t = np.float32(place - index)
+    before, after, beyond = t + np.float32(1), t - np.float32(1), t - np.float32(2)
+    w0 = factor * np.float32(-1 / 6) * t * after * beyond
+    w1 = factor * np.float32(0.5) * before * after * beyond
+    w2 = factor * np.float32(-0.5) * before * t * beyond
+    w3 = factor * np.float32(1 / 6) * before * t * after
+    a, b = table[index], table[index + np.uint32(1)]
+    c, d = table[index + np.uint32(2)], table[index + np.uint32(3)]
+    x = w0 * a[0] + w1 * b[0] + w2 * c[0] + w3 * d[0]
+    y = w0 * a[1] + w1 * b[1] + w2 * c[1] + w3 * d[1]
+    z = w0 * a[2] + w1 * b[2] + w2 * c[2] + w3 * d[2]
+    w = w0 * a[3] + w1 * b[3] + w2 * c[3] + w3 * d[3]
+    line[0] += x
+    line[1] += y
+    line[2] += z
+    line[3] += w
+
+
+@numba.njit(cache=True)
+def _look_up(
+    table: NDArray[np.float32], s: float, steps: int, factor: float, line: NDArray[np.float32]
+) -> None:
+    """Add a factor times an even table's value; it is zero beyond its end."""
+    place = abs(s) * steps
+    if place < table.shape[0] - 4:
+        _cubic(table, place, np.float32(factor), line)
+
+
+@numba.njit(parallel=True, cache=True)
+def lay_out_phases(
+    pairs: NDArray[np.float32],
+    reaches: NDArray[np.float64],
+    steps: int,
+    strides: NDArray[np.float64],
+    counts: NDArray[np.int64],
+    lengths: NDArray[np.int64],
+    starts: NDArray[np.int64],
+    out: NDArray[np.float32],
+) -> None:
+    """Lay the tables of pairs of corners out in phases of their step from column to column.
+
+    Parameters
+    ----------
+    pairs : ndarray, shape (N, T, 4)
+        Tables.
+    reaches : ndarray, shape (N,)
+        Where they end.
+    steps : int
+        Their entries per fringe.
+    strides : ndarray, shape (N,)
+        Fringes from column to column.
+    counts, lengths, starts : ndarray, shape (N,)
+        Phases of each pair, entries of each phase, and where the pair's begin; 0 phases for none.
+    out : ndarray
+        Written: (3, phases + 1, entries) of each pair, from −reach on.
+    """
+    for n in numba.prange(len(pairs)):
+        count, length = counts[n], lengths[n]
+        size = (count + 1) * length
+        entry = np.zeros(4, dtype=np.float32)
+        for phase in range(count + 1 if count else 0):
+            for k in range(length):
+                entry[:] = 0
+                s = abs((k + phase / count) * strides[n] - reaches[n])
+                _look_up(pairs[n], s, steps, 1.0, entry)
+                at = starts[n] + phase * length + k
+                out[at], out[at + size], out[at + 2 * size] = entry[0], entry[1], entry[2]
 
 
 @numba.njit(parallel=True, cache=True, error_model="numpy")
@@ -28,6 +107,10 @@ def fill_power(
     widths: NDArray[np.float64],
     pairs: NDArray[np.float32],
     reaches: NDArray[np.float64],
+    counts: NDArray[np.int64],
+    lengths: NDArray[np.int64],
+    starts: NDArray[np.int64],
+    phases: NDArray[np.float32],
     own: NDArray[np.float32],
     shared: NDArray[np.float32],
     total: NDArray[np.float64],
@@ -56,6 +139,8 @@ def fill_power(
         Γ of the corners m > n at place m (m − 1) / 2 + n.
     reaches : ndarray, shape (V (V − 1) / 2,)
         |q·(v_m − v_n)| beyond which Γ counts as zero.
+    counts, lengths, starts, phases : ndarray
+        As `lay_out_phases` leaves them.
     own, shared : ndarray, shape (V, T, 4)
         A and B of each edge.
     total : ndarray, shape (3,)
@@ -72,17 +157,33 @@ def fill_power(
     """
     count, columns = len(vertices), len(u)
     for row in numba.prange(len(v)):
+        quotients = np.zeros((count, columns), dtype=np.float32)
         tau = np.zeros((count, columns), dtype=np.float32)
         sums = np.empty((columns, 4), dtype=np.float32)
+        lines = np.empty((3, columns), dtype=np.float32)
         near = np.empty((count, 2), dtype=np.int64)
-        _corner_weights(u, v[row], vertices, following, weights, limits, tau, near)
-        _add_corners_alone(tau, total, sums)
+        _corner_weights(u, v[row], vertices, following, weights, limits, quotients, tau, near)
+        _add_corners_alone(tau, total, lines)
+        factor = np.empty(columns, dtype=np.float32)
         pair = 0
         for m in range(1, count):
             for n in range(m):
                 dx, dy = vertices[m, 0] - vertices[n, 0], v[row] * (vertices[m, 1] - vertices[n, 1])
-                _add_corners(u, dx, dy, reaches[pair], tau[m], tau[n], pairs[pair], steps, sums)
+                low, high = _columns_within(u, dx, dy, reaches[pair])
+                if low < high:
+                    for column in range(low, high):
+                        factor[column] = np.float32(2) * tau[m, column] * tau[n, column]
+                    if counts[pair]:
+                        # Γ is even: the columns count in the direction in which q·(v_m − v_n) rises.
+                        first = math.copysign(1.0, dx) * (u[low] * dx + dy)
+                        _add_phases(phases, starts[pair], counts[pair], lengths[pair], first + reaches[pair],
+                            abs(dx) * (u[1] - u[0]), factor[low:high], lines[:, low:high])  # fmt: skip
+                    else:
+                        _add_along(u, dx, dy, low, high, factor, pairs[pair], steps, lines)
                 pair += 1
+        for column in range(columns):
+            for channel in range(3):
+                sums[column, channel] = lines[channel, column]
         for j in range(count):
             low, high = near[j]
             if low < high:
@@ -102,7 +203,7 @@ def fill_power(
         _write(u, v[row], row, len(v) - 1, sums, scale, mirrored, out)
 
 
-@numba.njit(cache=True, error_model="numpy")
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
 def _corner_weights(
     u: NDArray[np.float64],
     v: float,
@@ -110,6 +211,7 @@ def _corner_weights(
     following: NDArray[np.int64],
     weights: NDArray[np.float64],
     limits: NDArray[np.float64],
+    quotients: NDArray[np.float32],
     tau: NDArray[np.float32],
     near: NDArray[np.int64],
 ) -> None:
@@ -120,68 +222,86 @@ def _corner_weights(
         ex, ey = vertices[k, 0] - vertices[j, 0], vertices[k, 1] - vertices[j, 1]
         low, high = _columns_within(u, ex, v * ey, limits[j])
         near[j, 0], near[j, 1] = low, high
-        for first, last in ((0, low), (high, columns)):
-            for column in range(first, last):
-                x = u[column]
-                quotient = np.float32((x * ey - v * ex) * weights[j] / (x * ex + v * ey))
-                tau[j, column] += quotient
-                tau[k, column] -= quotient
+        quotient = quotients[j]
+        for column in range(columns):
+            kappa = np.float32((u[column] * ey - v * ex) * weights[j])
+            quotient[column] = kappa / np.float32(u[column] * ex + v * ey)
+        quotient[low:high] = 0
+    for j in range(len(vertices)):
+        here, after, quotient = tau[j], tau[following[j]], quotients[j]
+        for column in range(columns):
+            here[column] += quotient[column]
+        for column in range(columns):
+            after[column] -= quotient[column]
 
 
 @numba.njit(cache=True, fastmath=FAST)
 def _add_corners_alone(
-    tau: NDArray[np.float32], total: NDArray[np.float64], sums: NDArray[np.float32]
+    tau: NDArray[np.float32], total: NDArray[np.float64], lines: NDArray[np.float32]
 ) -> None:
     """Start with Σ τ_m² Γ(0)."""
-    first, second, third = np.float32(total[0]), np.float32(total[1]), np.float32(total[2])
-    for column in range(tau.shape[1]):
-        square = np.float32(0)
-        for m in range(len(tau)):
-            square += tau[m, column] * tau[m, column]
-        sums[column, 0], sums[column, 1], sums[column, 2] = square * first, square * second, square * third
-        sums[column, 3] = 0.0
-
-
-@numba.njit(cache=True, inline="always")
-def _cubic(table, place, factor, line):  # type: ignore[no-untyped-def]
-    """Add a factor times a table's values at a place in steps to a line's four channels."""
-    index = np.uint32(place)
-    t = np.float32(place - index)
-    before, after, beyond = t + np.float32(1), t - np.float32(1), t - np.float32(2)
-    w0 = factor * np.float32(-1 / 6) * t * after * beyond
-    w1 = factor * np.float32(0.5) * before * after * beyond
-    w2 = factor * np.float32(-0.5) * before * t * beyond
-    w3 = factor * np.float32(1 / 6) * before * t * after
-    a, b = table[index], table[index + np.uint32(1)]
-    c, d = table[index + np.uint32(2)], table[index + np.uint32(3)]
-    x = w0 * a[0] + w1 * b[0] + w2 * c[0] + w3 * d[0]
-    y = w0 * a[1] + w1 * b[1] + w2 * c[1] + w3 * d[1]
-    z = w0 * a[2] + w1 * b[2] + w2 * c[2] + w3 * d[2]
-    w = w0 * a[3] + w1 * b[3] + w2 * c[3] + w3 * d[3]
-    line[0] += x
-    line[1] += y
-    line[2] += z
-    line[3] += w
+    first = lines[0]
+    first[:] = 0
+    for m in range(len(tau)):
+        here = tau[m]
+        for column in range(len(first)):
+            first[column] += here[column] * here[column]
+    for channel in (2, 1, 0):
+        factor, line = np.float32(total[channel]), lines[channel]
+        for column in range(len(first)):
+            line[column] = first[column] * factor
 
 
 @numba.njit(cache=True, fastmath=FAST)
-def _add_corners(
+def _add_phases(
+    phases: NDArray[np.float32],
+    start: int,
+    count: int,
+    length: int,
+    place: float,
+    stride: float,
+    factor: NDArray[np.float32],
+    lines: NDArray[np.float32],
+) -> None:
+    """Add factors times Γ along a stretch of a row that begins at a place after the tables' first."""
+    place = max(place / stride, 0.0)
+    whole = int(place)
+    part = (place - whole) * count
+    phase = min(int(part), count - 1)
+    after = np.float32(part - phase)
+    before = np.float32(1) - after
+    size = (count + 1) * length
+    for channel in range(3):
+        at = start + channel * size + phase * length + whole
+        one, other = phases[at : at + len(factor)], phases[at + length : at + length + len(factor)]
+        line = lines[channel]
+        for k in range(len(factor)):
+            line[k] += factor[k] * (before * one[k] + after * other[k])
+
+
+@numba.njit(cache=True, fastmath=FAST)
+def _add_along(
     u: NDArray[np.float64],
     dx: float,
-    along_v: float,
-    reach: float,
-    first: NDArray[np.float32],
-    second: NDArray[np.float32],
+    dy: float,
+    low: int,
+    high: int,
+    factor: NDArray[np.float32],
     table: NDArray[np.float32],
     steps: int,
-    sums: NDArray[np.float32],
+    lines: NDArray[np.float32],
 ) -> None:
-    """Add 2 τ_m τ_n Γ(q·(v_m − v_n)) in the columns where Γ lives."""
-    low, high = _columns_within(u, dx, along_v, reach)
-    last = float(len(table) - 4)
+    """Add factors times Γ along a stretch of a row, one look-up after the other where they differ."""
+    entry = np.zeros(4, dtype=np.float32)
+    alike = abs(u[high - 1] - u[low]) * abs(dx) * steps < ALIKE
+    if alike:
+        _look_up(table, u[low] * dx + dy, steps, 1.0, entry)
     for column in range(low, high):
-        place = min(abs(u[column] * dx + along_v) * steps, last)
-        _cubic(table, place, np.float32(2) * first[column] * second[column], sums[column])
+        if not alike:
+            entry[:] = 0
+            _look_up(table, u[column] * dx + dy, steps, 1.0, entry)
+        for channel in range(3):
+            lines[channel, column] += factor[column] * entry[channel]
 
 
 @numba.njit(cache=True)
@@ -297,16 +417,6 @@ def _add_difference(
 def _pair(m: int, n: int) -> int:
     """Return the place of a pair of corners in the tables."""
     return m * (m - 1) // 2 + n if m > n else n * (n - 1) // 2 + m
-
-
-@numba.njit(cache=True)
-def _look_up(
-    table: NDArray[np.float32], s: float, steps: int, factor: float, line: NDArray[np.float32]
-) -> None:
-    """Add a factor times an even table's value; it is zero beyond its end."""
-    place = abs(s) * steps
-    if place < table.shape[0] - 4:
-        _cubic(table, place, np.float32(factor), line)
 
 
 @numba.njit(cache=True, error_model="numpy")

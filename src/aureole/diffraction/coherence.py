@@ -17,6 +17,7 @@ from the origin; there `starburst` has its core.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,16 +25,19 @@ from scipy import special
 
 from aureole import light, refuse
 from aureole.diffraction import _kernels_coherence
+from aureole.diffraction.rows import multiply
 from aureole.records import Aperture, Grid, Spectrum
 
 MOST_VERTICES = 24
-WAVELENGTHS = 401
+WAVELENGTHS, SHORT_REACH = 201, 64
 # Γ counts as zero from where it stays below this share of Γ(0), and tables reach no farther than so many
 # fringes beyond the blur of pixel and light.
-NEGLIGIBLE, FARTHEST = 3e-4, 160
-# Table entries a fringe.
-STEPS = 48
-LEAST_HEIGHTS, HEIGHTS_A_FRINGE = 1024, 15
+NEGLIGIBLE, FARTHEST = 1e-3, 160
+# Table entries a fringe, where the reach is looked for, where cubics join them, and where straight lines.
+SURVEY_STEPS, STEPS, FINE_STEPS = 6, 48, 192
+# No pair's phases hold more entries than so many rows of the plane.
+MOST_ENTRIES = 8
+LEAST_HEIGHTS, HEIGHTS_A_FRINGE = 384, 8
 NEAR_FRINGES, NEAR_PIXELS = 0.5, 10.0
 
 
@@ -106,7 +110,6 @@ def coherent_power(
     vertices, following, weights = _edges(aperture)
     blur = _Blur(pixel[1] * unit, pixel[0] * unit, light_radius * unit)
     edges = vertices[following] - vertices
-    tables = _tables(vertices, edges, blur, reference_wavelength, spectrum)
     # Within so many fringes or pixels of its streak an edge is averaged over the pixel by itself.
     widths = blur.mean_square(edges)
     limits = np.maximum(NEAR_FRINGES, NEAR_PIXELS * np.sqrt(12 * widths))
@@ -117,6 +120,8 @@ def coherent_power(
         # The power of a real opening is even: rows above the axis, with as many columns on either side.
         v = v[: rows // 2 + 1]
         u = np.asarray(np.arange(-(columns // 2), columns // 2 + 1) * (grid.spacing[1] * unit), np.float64)
+    lamp = _lamp(spectrum, reference_wavelength)
+    tables = _tables(vertices, edges, blur, lamp, grid.spacing[1] * unit, len(u))
     out = np.empty((rows, columns, 3), dtype=np.float32)
     # F is in units of the width squared, and |F|² in its fourth power.
     _kernels_coherence.fill_power(
@@ -166,68 +171,119 @@ def _edges(aperture: Aperture) -> tuple[NDArray[np.float64], NDArray[np.int64], 
     return np.concatenate(vertices), np.concatenate(following), np.concatenate(weights)
 
 
+@dataclass(frozen=True, eq=False)
+class _Lamp:
+    """The wavelengths of a light as ratios ρ, their weights, Γ(0), and from where Γ is negligible."""
+
+    ratios: NDArray[np.float64]
+    white: NDArray[np.float64]
+    total: NDArray[np.float64]
+    reach: float
+
+
+@lru_cache(maxsize=8)
+def _lamp(spectrum: Spectrum, reference_wavelength: float) -> _Lamp:
+    for count in (WAVELENGTHS, 2 * WAVELENGTHS):
+        wavelengths, white = light.quadrature(spectrum, count)
+        ratios: NDArray[np.float64] = reference_wavelength / wavelengths
+        weights = white / ratios[:, None] ** 2
+        total = weights.sum(axis=0)
+        places = np.arange(FARTHEST * SURVEY_STEPS) / SURVEY_STEPS
+        coherence = np.cos(2 * np.pi * np.outer(places, ratios)) @ weights
+        reach = _reach(coherence, total) / SURVEY_STEPS
+        # Narrow peaks stay coherent over many fringes, and take more wavelengths.
+        if reach < SHORT_REACH:
+            break
+    return _Lamp(ratios, white, total, reach)
+
+
+def _reach(coherence: NDArray[Any], total: NDArray[np.float64]) -> int:
+    """Return from which entry on a table (T, 3) stays negligible."""
+    lives = np.flatnonzero(np.any(np.abs(coherence) > NEGLIGIBLE * total, axis=1))
+    return int(lives[-1]) + 1 if lives.size else 0
+
+
+class _Tables(NamedTuple):
+    """What the kernel reads."""
+
+    pairs: NDArray[np.float32]
+    reaches: NDArray[np.float64]
+    phase_counts: NDArray[np.int64]
+    phase_lengths: NDArray[np.int64]
+    phase_starts: NDArray[np.int64]
+    phases: NDArray[np.float32]
+    own: NDArray[np.float32]
+    shared: NDArray[np.float32]
+    total: NDArray[np.float64]
+
+
 def _tables(
     vertices: NDArray[np.float64],
     edges: NDArray[np.float64],
     blur: _Blur,
-    reference_wavelength: float,
-    spectrum: Spectrum,
-) -> tuple[
-    NDArray[np.float32],
-    NDArray[np.float64],
-    NDArray[np.float32],
-    NDArray[np.float32],
-    NDArray[np.float64],
-]:
-    """Tabulate Γ of each pair of corners with its reach, A and B of each edge, and Γ(0)."""
-    wavelengths, white = light.quadrature(spectrum, WAVELENGTHS)
-    ratios: NDArray[np.float64] = reference_wavelength / wavelengths
-    weights = white / ratios[:, None] ** 2
-    total = weights.sum(axis=0)
-    reach = _reach(_waves(ratios.tobytes(), FARTHEST) @ weights, total)
-    length = math.ceil(reach + 1.5 * math.sqrt(12 * float(blur.mean_square(edges).max())))
+    lamp: _Lamp,
+    step: float,
+    columns: int,
+) -> _Tables:
+    """Tabulate Γ of each pair of corners, A and B of each edge."""
+    length = math.ceil(lamp.reach + 1.5 * math.sqrt(12 * float(blur.mean_square(edges).max())))
     first, second = np.tril_indices(len(vertices), -1)
-    blurred = blur.transform((vertices[first] - vertices[second])[:, None] * ratios[:, None])
-    flat = np.moveaxis(blurred[..., None] * weights, 1, 0).reshape(len(ratios), -1)
-    pairs = _by_channel(_waves(ratios.tobytes(), length) @ flat.astype(np.float32))
-    reaches = np.array([_reach(pair[:, :3], total) for pair in pairs])
-    own, shared = _edge_tables(edges, blur, ratios, white, length)
-    return pairs, reaches, own, shared, total
+    differences = vertices[first] - vertices[second]
+    blurred = blur.transform(differences[:, None] * lamp.ratios[:, None])
+    weights = lamp.white / lamp.ratios[:, None] ** 2
+    flat = np.moveaxis(blurred[..., None] * weights, 1, 0).reshape(len(lamp.ratios), -1)
+    pairs = _tabulated(_waves(lamp.ratios.tobytes(), length), flat)
+    entries = [min(_reach(pair[:, :3], lamp.total), pair.shape[0] - 4) for pair in pairs]
+    reaches = np.array(entries) / STEPS
+    phases = _phases(pairs, reaches, np.abs(differences[:, 0]) * step, columns)
+    return _Tables(pairs, reaches, *phases, *_edge_tables(edges, blur, lamp, length), lamp.total)
+
+
+def _phases(
+    pairs: NDArray[np.float32], reaches: NDArray[np.float64], strides: NDArray[np.float64], columns: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]:
+    """Lay the tables of pairs out in phases of their steps from column to column."""
+    # Along a pair that is nearly upright, steps are too small for that, and few look-ups differ.
+    served = (strides * MOST_ENTRIES * columns > 2 * reaches) & (reaches > 0)
+    safe = np.where(served, strides, 1.0)
+    counts = np.where(served, np.ceil(safe * FINE_STEPS), 0).astype(np.int64)
+    lengths = np.where(served, np.ceil(2 * reaches / safe) + 2, 0).astype(np.int64)
+    sizes = 3 * (counts + 1) * lengths
+    starts = np.cumsum(sizes) - sizes
+    out = np.empty(int(sizes.sum()), dtype=np.float32)
+    _kernels_coherence.lay_out_phases(pairs, reaches, STEPS, strides, counts, lengths, starts, out)
+    return counts, lengths, starts, out
 
 
 def _edge_tables(
-    edges: NDArray[np.float64],
-    blur: _Blur,
-    ratios: NDArray[np.float64],
-    white: NDArray[np.float64],
-    length: int,
+    edges: NDArray[np.float64], blur: _Blur, lamp: _Lamp, length: int
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Tabulate A and B for each edge, shape (V, T, 4).
 
     A(x) = ∫ cos(2πxy) W_A(y) dy and B(x) = ∫ sin(2πxy) W_B(y) dy over 0 < y < ρ, with
     W_A = 8π² Σ w (ρ − y) / ρ² and W_B = 2π Σ w / ρ² over the ρ above y; the blur is a factor of y.
+    The weights are joined by straight lines, whose transform is a sinc².
     """
     # Heights a little beyond the largest ρ, lest every wavelength has waves of its own.
-    top = math.ceil(8 * float(ratios.max())) / 8
+    top = math.ceil(8 * float(lamp.ratios.max())) / 8
     heights = max(LEAST_HEIGHTS, HEIGHTS_A_FRINGE * length)
     step = top / heights
-    y = (np.arange(heights) + 0.5) * step
-    beyond = _above(y, ratios, white / ratios[:, None] ** 2)
-    moment = _above(y, ratios, white / ratios[:, None])
+    y = np.arange(heights) * step
+    beyond = _above(y, lamp.ratios, lamp.white / lamp.ratios[:, None] ** 2)
+    moment = _above(y, lamp.ratios, lamp.white / lamp.ratios[:, None])
     to_own = 8 * np.pi**2 * (moment - y[:, None] * beyond)
     to_shared = 2 * np.pi * beyond
+    to_own[0] /= 2
     blurred = blur.transform(y[:, None, None] * edges)
     cosine, sine = _height_waves(top, heights, length)
     tables = []
     for wave, weight in ((cosine, to_own), (sine, to_shared)):
         flat = (blurred[:, :, None] * weight[:, None] * step).reshape(heights, -1)
-        tables.append(_by_channel(wave @ flat.astype(np.float32)))
+        tables.append(_tabulated(wave, flat))
     return tables[0], tables[1]
 
 
-def _above(
-    heights: NDArray[np.floating], ratios: NDArray[np.float64], density: NDArray[np.floating]
-) -> NDArray[np.float64]:
+def _above(heights: NDArray[Any], ratios: NDArray[np.float64], density: NDArray[Any]) -> NDArray[np.float64]:
     """Return the sum (Y, 3) of a density (W, 3) over the ρ above each height, as if it were continuous."""
     order = np.argsort(ratios)
     rising, parts = ratios[order], density[order]
@@ -239,17 +295,13 @@ def _above(
     )
 
 
-def _by_channel(columns: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Lay tables (T, N × 3) out one after the other, with room for a fourth channel: (N, T, 4)."""
+def _tabulated(waves: NDArray[np.float32], amounts: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Sum waves (T, W) times amounts (W, N × 3): N tables one after the other, each (T, 4)."""
+    columns = np.empty((len(waves), amounts.shape[1]), dtype=np.float32)
+    multiply([(waves, amounts.astype(np.float32), columns)])
     out = np.zeros((columns.shape[1] // 3, len(columns), 4), dtype=np.float32)
     out[..., :3] = np.moveaxis(columns.reshape(len(columns), -1, 3), 1, 0)
     return out
-
-
-def _reach(coarse: NDArray[np.floating], total: NDArray[np.float64]) -> float:
-    """Return from where a table (T, 3) stays negligible, in fringes."""
-    lives = np.flatnonzero(np.any(np.abs(coarse) > NEGLIGIBLE * total, axis=1))
-    return float(lives[-1]) / STEPS if lives.size else 0.0
 
 
 def _places(length: int) -> NDArray[np.float64]:
@@ -265,6 +317,8 @@ def _waves(ratios: bytes, length: int) -> NDArray[np.float32]:
 
 @lru_cache(maxsize=4)
 def _height_waves(top: float, heights: int, length: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return cos(2πxy) and sin(2πxy) at a table's places and the heights' middles."""
-    phase = 2 * np.pi * np.outer(_places(length), (np.arange(heights) + 0.5) * (top / heights))
-    return np.cos(phase).astype(np.float32), np.sin(phase).astype(np.float32)
+    """Return cos(2πxy) and sin(2πxy) at a table's places and heights, with the hats' transform."""
+    places, step = _places(length), top / heights
+    phase = 2 * np.pi * np.outer(places, np.arange(heights) * step)
+    hat = np.sinc(places * step)[:, None] ** 2
+    return (np.cos(phase) * hat).astype(np.float32), (np.sin(phase) * hat).astype(np.float32)

@@ -9,7 +9,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import aperture as apertures
 from aureole import light
 from aureole.diffraction import pixels
 from aureole.diffraction.pixels import REFERENCE_WAVELENGTH, SHORTEST
@@ -213,7 +212,7 @@ def _fine_pattern(aperture: Aperture, grid: Grid, wavelength: float) -> Pattern:
         steps.append(min(step, 1 / (COARSEST_SAMPLES * aperture.width)))
         counts.append(2 * (math.ceil(farthest / steps[-1]) + 2) + 1)
     fine = Grid((counts[0], counts[1]), (steps[0], steps[1]))
-    return Pattern(pixels.centred_mean(aperture, fine, (1, 1)), fine, wavelength, apertures.energy(aperture))
+    return Pattern(pixels.centred_mean(aperture, fine, (1, 1)), fine, wavelength, pixels.energy(aperture))
 
 
 def _midpoint_counts(aperture: Aperture, grid: Grid) -> tuple[int, int]:

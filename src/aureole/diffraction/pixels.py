@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +54,24 @@ def share(aperture: Aperture, grid: Grid, wavelength: float) -> float:
     float
         Per square of square metres.
     """
-    return grid.spacing[0] * grid.spacing[1] / (wavelength**2 * apertures.energy(aperture))
+    return grid.spacing[0] * grid.spacing[1] / (wavelength**2 * energy(aperture))
+
+
+@lru_cache(maxsize=16)
+def energy(aperture: Aperture) -> float:
+    """Return ∬|f|² of an aperture, which nobody writes into, once and for all.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Any.
+
+    Returns
+    -------
+    float
+        Square metres.
+    """
+    return apertures.energy(aperture)
 
 
 def node_counts(

@@ -16,7 +16,6 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import aperture as apertures
 from aureole import light, refuse
 from aureole.diffraction import autocorrelation, coherence, core, pixels
 from aureole.diffraction.far import check_grid
@@ -179,7 +178,7 @@ def _outer(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> N
     nodes = node_counts(aperture, grid, wavelength, sample, _most_nodes(aperture, wide))
     power = pixels.centred_mean(aperture, wide, nodes)
     picture = light.spectral_sum(
-        Pattern(power, wide, wavelength, apertures.energy(aperture)),
+        Pattern(power, wide, wavelength, pixels.energy(aperture)),
         wavelength,
         spectrum,
         grid=pixels.in_frequency(grid, wavelength),
