@@ -1,9 +1,5 @@
 """Compiled loops of the coherence sum: a row of the plane at a time, pass after pass along it.
 
-A table (T, 4) holds the channels side by side, the fourth unused, so that a look-up reads neighbouring
-numbers. Its first entry lies one step before zero and two lie beyond its last, for Lagrange's cubic
-through four entries. Positions are unsigned, because signed ones cost a check for wrap-around a look-up.
-
 Along a row, q·(v_m − v_n) rises by the same step from one column to the next. So the table of a pair of
 corners is also laid out in phases of that step: a stretch of a row then reads neighbouring numbers of the
 two phases about its own, and blends them.
@@ -15,44 +11,11 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-# Differences over a smaller step than this, in fringes, are taken as slopes; over a step below SHORT both
-# ends share the mean of their tables, lest their pixels' factors be divided by next to nothing.
-SMALLEST, SHORT = 0.05, 0.5
+from aureole.diffraction._kernels_streaks import Corners, Tables, add_near_streaks, columns_within, look_up
+
+FAST = {"contract", "arcp", "nsz"}
 # Places within so many table steps of each other have one value.
 ALIKE = 0.01
-FAST = {"contract", "arcp", "nsz"}
-
-
-@numba.njit(cache=True, inline="always")
-def _cubic(table, place, factor, line):  # type: ignore[no-untyped-def]
-    """Add a factor times a table's values at a place in steps to a line's four channels."""
-    index = np.uint32(place)
-    t = np.float32(place - index)
-    before, after, beyond = t + np.float32(1), t - np.float32(1), t - np.float32(2)
-    w0 = factor * np.float32(-1 / 6) * t * after * beyond
-    w1 = factor * np.float32(0.5) * before * after * beyond
-    w2 = factor * np.float32(-0.5) * before * t * beyond
-    w3 = factor * np.float32(1 / 6) * before * t * after
-    a, b = table[index], table[index + np.uint32(1)]
-    c, d = table[index + np.uint32(2)], table[index + np.uint32(3)]
-    x = w0 * a[0] + w1 * b[0] + w2 * c[0] + w3 * d[0]
-    y = w0 * a[1] + w1 * b[1] + w2 * c[1] + w3 * d[1]
-    z = w0 * a[2] + w1 * b[2] + w2 * c[2] + w3 * d[2]
-    w = w0 * a[3] + w1 * b[3] + w2 * c[3] + w3 * d[3]
-    line[0] += x
-    line[1] += y
-    line[2] += z
-    line[3] += w
-
-
-@numba.njit(cache=True)
-def _look_up(
-    table: NDArray[np.float32], s: float, steps: int, factor: float, line: NDArray[np.float32]
-) -> None:
-    """Add a factor times an even table's value; it is zero beyond its end."""
-    place = abs(s) * steps
-    if place < table.shape[0] - 4:
-        _cubic(table, place, np.float32(factor), line)
 
 
 @numba.njit(parallel=True, cache=True)
@@ -91,7 +54,7 @@ def lay_out_phases(
             for k in range(length):
                 entry[:] = 0
                 s = abs((k + phase / count) * strides[n] - reaches[n])
-                _look_up(pairs[n], s, steps, 1.0, entry)
+                look_up(pairs[n], s, steps, 1.0, entry)
                 at = starts[n] + phase * length + k
                 out[at], out[at + size], out[at + 2 * size] = entry[0], entry[1], entry[2]
 
@@ -100,21 +63,8 @@ def lay_out_phases(
 def fill_power(
     u: NDArray[np.float64],
     v: NDArray[np.float64],
-    vertices: NDArray[np.float64],
-    following: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    limits: NDArray[np.float64],
-    widths: NDArray[np.float64],
-    pairs: NDArray[np.float32],
-    reaches: NDArray[np.float64],
-    counts: NDArray[np.int64],
-    lengths: NDArray[np.int64],
-    starts: NDArray[np.int64],
-    phases: NDArray[np.float32],
-    own: NDArray[np.float32],
-    shared: NDArray[np.float32],
-    total: NDArray[np.float64],
-    steps: int,
+    corners: Corners,
+    tables: Tables,
     scale: float,
     mirrored: bool,
     out: NDArray[np.float32],
@@ -125,28 +75,10 @@ def fill_power(
     ----------
     u, v : ndarray, shapes (C,) and (R,)
         Frequencies of columns and rows, cycles per unit of length.
-    vertices : ndarray, shape (V, 2)
-        Corners.
-    following : ndarray, shape (V,)
-        Index of each corner's next.
-    weights : ndarray, shape (V,)
-        Signed transmittance of the ring of each edge.
-    limits : ndarray, shape (V,)
-        |q·e| of each edge below which its streak is near.
-    widths : ndarray, shape (V,)
-        Mean square of q·e over a pixel or a disc about its centre, of each edge.
-    pairs : ndarray, shape (V (V − 1) / 2, T, 4)
-        Γ of the corners m > n at place m (m − 1) / 2 + n.
-    reaches : ndarray, shape (V (V − 1) / 2,)
-        |q·(v_m − v_n)| beyond which Γ counts as zero.
-    counts, lengths, starts, phases : ndarray
-        As `lay_out_phases` leaves them.
-    own, shared : ndarray, shape (V, T, 4)
-        A and B of each edge.
-    total : ndarray, shape (3,)
-        Γ(0).
-    steps : int
-        Table entries per fringe.
+    corners : Corners
+        Of the opening.
+    tables : Tables
+        What is looked up.
     scale : float
         Factor of everything.
     mirrored : bool
@@ -155,51 +87,19 @@ def fill_power(
     out : ndarray, shape (R, C, 3), or twice the rows where mirrored
         Written; where mirrored it may have one row or one column less than the whole plane.
     """
-    count, columns = len(vertices), len(u)
+    count, columns = len(corners.vertices), len(u)
     for row in numba.prange(len(v)):
-        quotients = np.zeros((count, columns), dtype=np.float32)
         tau = np.zeros((count, columns), dtype=np.float32)
         sums = np.empty((columns, 4), dtype=np.float32)
-        lines = np.empty((3, columns), dtype=np.float32)
+        lines = np.zeros((3, columns), dtype=np.float32)
         near = np.empty((count, 2), dtype=np.int64)
-        _corner_weights(u, v[row], vertices, following, weights, limits, quotients, tau, near)
-        _add_corners_alone(tau, total, lines)
-        factor = np.empty(columns, dtype=np.float32)
-        pair = 0
-        for m in range(1, count):
-            for n in range(m):
-                dx, dy = vertices[m, 0] - vertices[n, 0], v[row] * (vertices[m, 1] - vertices[n, 1])
-                low, high = _columns_within(u, dx, dy, reaches[pair])
-                if low < high:
-                    for column in range(low, high):
-                        factor[column] = np.float32(2) * tau[m, column] * tau[n, column]
-                    if counts[pair]:
-                        # Γ is even: the columns count in the direction in which q·(v_m − v_n) rises.
-                        first = math.copysign(1.0, dx) * (u[low] * dx + dy)
-                        _add_phases(phases, starts[pair], counts[pair], lengths[pair], first + reaches[pair],
-                            abs(dx) * (u[1] - u[0]), factor[low:high], lines[:, low:high])  # fmt: skip
-                    else:
-                        _add_along(u, dx, dy, low, high, factor, pairs[pair], steps, lines)
-                pair += 1
+        _corner_weights(u, v[row], corners, tau, near, lines[0])
+        _add_corners_alone(tau, tables.total, lines)
+        _add_pairs(u, v[row], corners.vertices, tables, tau, lines)
         for column in range(columns):
             for channel in range(3):
                 sums[column, channel] = lines[channel, column]
-        for j in range(count):
-            low, high = near[j]
-            if low < high:
-                k = following[j]
-                _add_near_edge(
-                    u, v[row], vertices[j], vertices[k], weights[j], widths[j], low, high, tau[j], tau[k],
-                    own[j], shared[j], total, steps, sums,
-                )  # fmt: skip
-                _add_edge_with_corners(
-                    u, v[row], vertices, j, k, weights[j], low, high, tau, pairs, reaches, steps, sums
-                )
-                for i in range(j):
-                    _add_near_edges(
-                        u, v[row], vertices, following, weights, j, i, max(low, near[i, 0]),
-                        min(high, near[i, 1]), pairs, shared, total, steps, sums,
-                    )  # fmt: skip
+        add_near_streaks(u, v[row], corners, tables, near, tau, sums)
         _write(u, v[row], row, len(v) - 1, sums, scale, mirrored, out)
 
 
@@ -207,28 +107,31 @@ def fill_power(
 def _corner_weights(
     u: NDArray[np.float64],
     v: float,
-    vertices: NDArray[np.float64],
-    following: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    limits: NDArray[np.float64],
-    quotients: NDArray[np.float32],
+    corners: Corners,
     tau: NDArray[np.float32],
     near: NDArray[np.int64],
+    excess: NDArray[np.float32],
 ) -> None:
-    """Write τ_m = κ_m / x_m − κ_{m−1} / x_{m−1} of the edges whose streak is not near, and where it is."""
-    columns = len(u)
+    """Write τ_m = κ_m / x_m − κ_{m−1} / x_{m−1} of the edges whose streak is not near, and where it is.
+
+    The mean of 2 (κ / x)² over a pixel exceeds its value by 6 (κ / x)² ⟨δx²⟩ / x².
+    """
+    columns, vertices = len(u), corners.vertices
+    inverse, quotient = np.empty(columns, dtype=np.float32), np.empty(columns, dtype=np.float32)
     for j in range(len(vertices)):
-        k = following[j]
+        k, weight, width = corners.following[j], corners.weights[j], np.float32(6 * corners.widths[j])
         ex, ey = vertices[k, 0] - vertices[j, 0], vertices[k, 1] - vertices[j, 1]
-        low, high = _columns_within(u, ex, v * ey, limits[j])
+        low, high = columns_within(u, ex, v * ey, corners.limits[j])
         near[j, 0], near[j, 1] = low, high
-        quotient = quotients[j]
         for column in range(columns):
-            kappa = np.float32((u[column] * ey - v * ex) * weights[j])
-            quotient[column] = kappa / np.float32(u[column] * ex + v * ey)
-        quotient[low:high] = 0
-    for j in range(len(vertices)):
-        here, after, quotient = tau[j], tau[following[j]], quotients[j]
+            inverse[column] = np.float32(1) / np.float32(u[column] * ex + v * ey)
+        inverse[low:high] = 0
+        for column in range(columns):
+            quotient[column] = np.float32((u[column] * ey - v * ex) * weight) * inverse[column]
+        for column in range(columns):
+            each = quotient[column] * inverse[column]
+            excess[column] += width * (each * each)
+        here, after = tau[j], tau[k]
         for column in range(columns):
             here[column] += quotient[column]
         for column in range(columns):
@@ -239,9 +142,8 @@ def _corner_weights(
 def _add_corners_alone(
     tau: NDArray[np.float32], total: NDArray[np.float64], lines: NDArray[np.float32]
 ) -> None:
-    """Start with Σ τ_m² Γ(0)."""
+    """Add Σ τ_m² to the first line, and start each channel with it times Γ(0)."""
     first = lines[0]
-    first[:] = 0
     for m in range(len(tau)):
         here = tau[m]
         for column in range(len(first)):
@@ -250,6 +152,40 @@ def _add_corners_alone(
         factor, line = np.float32(total[channel]), lines[channel]
         for column in range(len(first)):
             line[column] = first[column] * factor
+
+
+@numba.njit(cache=True, fastmath=FAST)
+def _add_pairs(
+    u: NDArray[np.float64],
+    v: float,
+    vertices: NDArray[np.float64],
+    tables: Tables,
+    tau: NDArray[np.float32],
+    lines: NDArray[np.float32],
+) -> None:
+    """Add 2 τ_m τ_n Γ(q·(v_m − v_n)) of all pairs in the columns where Γ lives."""
+    factor = np.empty(len(u), dtype=np.float32)
+    pair = -1
+    for m in range(1, len(vertices)):
+        for n in range(m):
+            pair += 1
+            dx, dy = vertices[m, 0] - vertices[n, 0], v * (vertices[m, 1] - vertices[n, 1])
+            low, high = columns_within(u, dx, dy, tables.reaches[pair])
+            if low >= high:
+                continue
+            one, other = tau[m], tau[n]
+            for column in range(low, high):
+                factor[column] = np.float32(2) * one[column] * other[column]
+            if tables.counts[pair] == 0:
+                _add_along(u, dx, dy, low, high, factor, tables.pairs[pair], tables.steps, lines)
+                continue
+            # Γ is even: the columns count in the direction in which q·(v_m − v_n) rises.
+            place = math.copysign(1.0, dx) * (u[low] * dx + dy) + tables.reaches[pair]
+            stride = abs(dx) * (u[1] - u[0])
+            _add_phases(
+                tables.phases, tables.starts[pair], tables.counts[pair], tables.lengths[pair], place, stride,
+                factor[low:high], lines[:, low:high],
+            )  # fmt: skip
 
 
 @numba.njit(cache=True, fastmath=FAST)
@@ -295,219 +231,13 @@ def _add_along(
     entry = np.zeros(4, dtype=np.float32)
     alike = abs(u[high - 1] - u[low]) * abs(dx) * steps < ALIKE
     if alike:
-        _look_up(table, u[low] * dx + dy, steps, 1.0, entry)
+        look_up(table, u[low] * dx + dy, steps, 1.0, entry)
     for column in range(low, high):
         if not alike:
             entry[:] = 0
-            _look_up(table, u[column] * dx + dy, steps, 1.0, entry)
+            look_up(table, u[column] * dx + dy, steps, 1.0, entry)
         for channel in range(3):
             lines[channel, column] += factor[column] * entry[channel]
-
-
-@numba.njit(cache=True)
-def _columns_within(u: NDArray[np.float64], dx: float, along_v: float, reach: float) -> tuple[int, int]:
-    """Return the range of columns in which |u dx + along_v| is below a reach."""
-    count = len(u)
-    step = u[1] - u[0] if count > 1 else 1.0
-    if abs(dx) * step * count < 1e-9 * reach:
-        return (0, count) if abs(u[0] * dx + along_v) < reach else (0, 0)
-    one = ((reach - along_v) / dx - u[0]) / step
-    other = ((-reach - along_v) / dx - u[0]) / step
-    low = min(max(math.ceil(min(one, other)), 0.0), float(count))
-    high = min(max(math.floor(max(one, other)) + 1, low), float(count))
-    return int(low), int(high)
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _add_near_edge(
-    u: NDArray[np.float64],
-    v: float,
-    start: NDArray[np.float64],
-    end: NDArray[np.float64],
-    weight: float,
-    width: float,
-    low: int,
-    high: int,
-    at_start: NDArray[np.float32],
-    at_end: NDArray[np.float32],
-    own: NDArray[np.float32],
-    shared: NDArray[np.float32],
-    total: NDArray[np.float64],
-    steps: int,
-    sums: NDArray[np.float32],
-) -> None:
-    """Add a near edge with itself, κ² A(x), and with what else its corners carry, 2 κ B(x) (τ_j − τ_k)."""
-    ex, ey = end[0] - start[0], end[1] - start[1]
-    last = float(own.shape[0] - 4)
-    for column in range(low, high):
-        x = u[column] * ex + v * ey
-        kappa = (u[column] * ey - v * ex) * weight
-        square, cross = kappa * kappa, 2 * kappa * (at_start[column] - at_end[column])
-        if x < 0:
-            cross = -cross
-        place = abs(x) * steps
-        if place < last:
-            _cubic(own, place, np.float32(square), sums[column])
-            _cubic(shared, place, np.float32(cross), sums[column])
-        else:
-            # Beyond the tables A → 2 Γ(0) ⟨1 / x²⟩ and B → Γ(0) ⟨1 / x⟩.
-            ratio = width / (x * x)
-            factor = 2 * square * (1 + 3 * ratio) / (x * x) + cross * (1 + ratio) / abs(x)
-            for channel in range(3):
-                sums[column, channel] += factor * total[channel]
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _add_edge_with_corners(
-    u: NDArray[np.float64],
-    v: float,
-    vertices: NDArray[np.float64],
-    j: int,
-    k: int,
-    weight: float,
-    low: int,
-    high: int,
-    tau: NDArray[np.float32],
-    pairs: NDArray[np.float32],
-    reaches: NDArray[np.float64],
-    steps: int,
-    sums: NDArray[np.float32],
-) -> None:
-    """Add 2 κ τ_m (Γ(q·(v_j − v_m)) − Γ(q·(v_k − v_m))) / x for a near edge and the other corners."""
-    ex, ey = vertices[k, 0] - vertices[j, 0], vertices[k, 1] - vertices[j, 1]
-    for m in range(len(vertices)):
-        if m in (j, k):
-            continue
-        one, other = _pair(j, m), _pair(k, m)
-        mx = (vertices[j, 0] + vertices[k, 0]) / 2 - vertices[m, 0]
-        my = v * ((vertices[j, 1] + vertices[k, 1]) / 2 - vertices[m, 1])
-        # The ends of the edge are at half its own |q·e| from its middle.
-        widest = max(abs(u[low] * ex + v * ey), abs(u[high - 1] * ex + v * ey), SMALLEST)
-        first, after = _columns_within(u, mx, my, max(reaches[one], reaches[other]) + widest / 2)
-        for column in range(max(low, first), min(high, after)):
-            x = u[column] * ex + v * ey
-            kappa = (u[column] * ey - v * ex) * weight
-            middle, factor = u[column] * mx + my, 2 * kappa * tau[m, column]
-            _add_difference(pairs[one], pairs[other], middle - x / 2, x, steps, factor, sums[column])
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _add_difference(
-    one: NDArray[np.float32],
-    other: NDArray[np.float32],
-    s: float,
-    x: float,
-    steps: int,
-    factor: float,
-    line: NDArray[np.float32],
-) -> None:
-    """Add a factor times (Γ_one(s) − Γ_other(s + x)) / x."""
-    if abs(x) >= SHORT:
-        _look_up(one, s, steps, factor / x, line)
-        _look_up(other, s + x, steps, -factor / x, line)
-        return
-    step = x if abs(x) > SMALLEST else math.copysign(SMALLEST, x)
-    first = s + (x - step) / 2
-    for table in (one, other):
-        _look_up(table, first, steps, factor / (2 * step), line)
-        _look_up(table, first + step, steps, -factor / (2 * step), line)
-
-
-@numba.njit(cache=True)
-def _pair(m: int, n: int) -> int:
-    """Return the place of a pair of corners in the tables."""
-    return m * (m - 1) // 2 + n if m > n else n * (n - 1) // 2 + m
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _add_near_edges(
-    u: NDArray[np.float64],
-    v: float,
-    vertices: NDArray[np.float64],
-    following: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    j: int,
-    k: int,
-    low: int,
-    high: int,
-    pairs: NDArray[np.float32],
-    shared: NDArray[np.float32],
-    total: NDArray[np.float64],
-    steps: int,
-    sums: NDArray[np.float32],
-) -> None:
-    """Add 2 κ_j κ_k ⟨E_j, E_k⟩ where the streaks of both edges are near."""
-    next_j, next_k = following[j], following[k]
-    ax, ay = vertices[next_j, 0] - vertices[j, 0], vertices[next_j, 1] - vertices[j, 1]
-    bx, by = vertices[next_k, 0] - vertices[k, 0], vertices[next_k, 1] - vertices[k, 1]
-    cx, cy = vertices[j, 0] - vertices[k, 0], vertices[j, 1] - vertices[k, 1]
-    for column in range(low, high):
-        q = u[column]
-        x, y, apart = q * ax + v * ay, q * bx + v * by, q * cx + v * cy
-        factor = 2 * (q * ay - v * ax) * (q * by - v * bx) * weights[j] * weights[k]
-        if next_k == j:
-            _add_adjacent(k, j, next_j, y, x, factor, pairs, shared, total, steps, sums[column])
-        elif next_j == k:
-            _add_adjacent(j, k, next_k, x, y, factor, pairs, shared, total, steps, sums[column])
-        else:
-            _add_apart(j, next_j, k, next_k, x, y, apart, factor, pairs, steps, sums[column])
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _add_adjacent(
-    first: int,
-    corner: int,
-    last: int,
-    x: float,
-    y: float,
-    factor: float,
-    pairs: NDArray[np.float32],
-    shared: NDArray[np.float32],
-    total: NDArray[np.float64],
-    steps: int,
-    line: NDArray[np.float32],
-) -> None:
-    """Add an edge with its next, k: −B(x) / y + (Γ(y) − Γ(x + y)) / (x y), x the smaller of the two."""
-    edge, one = first, _pair(corner, last)
-    if abs(x) > abs(y):
-        x, y, edge, one = y, x, corner, _pair(first, corner)
-    if y == 0:
-        return
-    if abs(x) * steps < shared.shape[1] - 4:
-        _look_up(shared[edge], x, steps, (-factor if x >= 0 else factor) / y, line)
-    else:
-        for channel in range(3):
-            line[channel] -= factor * total[channel] / (x * y)
-    # What is left is coherent over the longer of the two only.
-    _add_difference(pairs[one], pairs[_pair(first, last)], y, x, steps, factor / y, line)
-
-
-@numba.njit(cache=True, error_model="numpy")
-def _add_apart(
-    j: int,
-    after_j: int,
-    k: int,
-    after_k: int,
-    x: float,
-    y: float,
-    apart: float,
-    factor: float,
-    pairs: NDArray[np.float32],
-    steps: int,
-    line: NDArray[np.float32],
-) -> None:
-    """Add two edges without a common corner: (Γ(a) − Γ(b) − Γ(c) + Γ(d)) / (x_j x_k)."""
-    wide = y if abs(y) > SMALLEST else math.copysign(SMALLEST, y)
-    share, near = factor / wide, apart + (wide - y) / 2
-    if abs(y) >= SHORT:
-        _add_difference(pairs[_pair(j, k)], pairs[_pair(after_j, k)], near, x, steps, share, line)
-        one, other = pairs[_pair(j, after_k)], pairs[_pair(after_j, after_k)]
-        _add_difference(one, other, near - wide, x, steps, -share, line)
-        return
-    for end in (k, after_k):
-        one, other = pairs[_pair(j, end)], pairs[_pair(after_j, end)]
-        _add_difference(one, other, near, x, steps, share / 2, line)
-        _add_difference(one, other, near - wide, x, steps, -share / 2, line)
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=FAST)

@@ -17,7 +17,7 @@ from the origin; there `starburst` has its core.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from scipy import special
 
 from aureole import light, refuse
 from aureole.diffraction import _kernels_coherence
+from aureole.diffraction._kernels_streaks import Corners, Tables
 from aureole.diffraction.rows import multiply
 from aureole.records import Aperture, Grid, Spectrum
 
@@ -124,9 +125,8 @@ def coherent_power(
     tables = _tables(vertices, edges, blur, lamp, grid.spacing[1] * unit, len(u))
     out = np.empty((rows, columns, 3), dtype=np.float32)
     # F is in units of the width squared, and |F|² in its fourth power.
-    _kernels_coherence.fill_power(
-        u, v, vertices, following, weights, limits, widths, *tables, STEPS, scale * unit**4, mirrored, out
-    )
+    corners = Corners(vertices, following, weights, limits, widths)
+    _kernels_coherence.fill_power(u, v, corners, tables, scale * unit**4, mirrored, out)
     return out
 
 
@@ -203,20 +203,6 @@ def _reach(coherence: NDArray[Any], total: NDArray[np.float64]) -> int:
     return int(lives[-1]) + 1 if lives.size else 0
 
 
-class _Tables(NamedTuple):
-    """What the kernel reads."""
-
-    pairs: NDArray[np.float32]
-    reaches: NDArray[np.float64]
-    phase_counts: NDArray[np.int64]
-    phase_lengths: NDArray[np.int64]
-    phase_starts: NDArray[np.int64]
-    phases: NDArray[np.float32]
-    own: NDArray[np.float32]
-    shared: NDArray[np.float32]
-    total: NDArray[np.float64]
-
-
 def _tables(
     vertices: NDArray[np.float64],
     edges: NDArray[np.float64],
@@ -224,7 +210,7 @@ def _tables(
     lamp: _Lamp,
     step: float,
     columns: int,
-) -> _Tables:
+) -> Tables:
     """Tabulate Γ of each pair of corners, A and B of each edge."""
     length = math.ceil(lamp.reach + 1.5 * math.sqrt(12 * float(blur.mean_square(edges).max())))
     first, second = np.tril_indices(len(vertices), -1)
@@ -236,7 +222,8 @@ def _tables(
     entries = [min(_reach(pair[:, :3], lamp.total), pair.shape[0] - 4) for pair in pairs]
     reaches = np.array(entries) / STEPS
     phases = _phases(pairs, reaches, np.abs(differences[:, 0]) * step, columns)
-    return _Tables(pairs, reaches, *phases, *_edge_tables(edges, blur, lamp, length), lamp.total)
+    own, shared = _edge_tables(edges, blur, lamp, length)
+    return Tables(pairs, reaches, *phases, own, shared, lamp.total, STEPS)
 
 
 def _phases(
