@@ -34,9 +34,9 @@ NOTES = (
     "the full plane; finding the quads, or the rows, included.",
     "GTX 1080 Ti: as the paper prints, with its own gain. error: of the peak, against the first; lost: the "
     "share of the power that culling leaves out.",
-    "no optimizations: every quad's complex factors at every frequency. symmetry: real factors of the mask's "
-    "rows on a quarter plane, mirrored. culling: tiles below 1e-6 of the peak are left at zero; by itself on "
-    "a grid that lies off centre, by 1e-9 of a step, so that nothing is mirrored.",
+    "no optimizations: the factors of every quad at every frequency. symmetry: those of the mask's rows on a "
+    "quarter plane, mirrored. culling: of rows, too; tiles below 1e-6 of the peak are left at zero. Without "
+    "symmetry the grid lies off centre, by 1e-9 of a step, so that nothing is mirrored.",
 )
 # Power below this share of the peak may be left out.
 CULL = 1e-6
@@ -46,7 +46,7 @@ Way = Callable[[Aperture, Grid], Any]
 
 
 def _all_quads(aperture: Aperture, grid: Grid) -> Any:
-    return diffraction.far_power(aperture, grid, "quads")
+    return diffraction.far_power(aperture, _aside(grid), "quads")
 
 
 def _by_symmetry(aperture: Aperture, grid: Grid) -> Any:
@@ -54,12 +54,16 @@ def _by_symmetry(aperture: Aperture, grid: Grid) -> Any:
 
 
 def _by_culling(aperture: Aperture, grid: Grid) -> Any:
-    aside = (ASIDE * grid.spacing[0], ASIDE * grid.spacing[1])
-    return diffraction.far_power(aperture, Grid(grid.shape, grid.spacing, aside), "rows", cull=CULL)
+    return diffraction.far_power(aperture, _aside(grid), "rows", cull=CULL)
 
 
 def _by_both(aperture: Aperture, grid: Grid) -> Any:
     return diffraction.far_power(aperture, grid, "rows", cull=CULL)
+
+
+def _aside(grid: Grid) -> Grid:
+    """Return a grid that is not centred on zero, and so cannot be mirrored."""
+    return Grid(grid.shape, grid.spacing, (ASIDE * grid.spacing[0], ASIDE * grid.spacing[1]))
 
 
 WAYS: dict[str, Way] = {
