@@ -125,7 +125,7 @@ def from_pattern(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str
 
 def join(
     total: NDArray[np.float32],
-    core: NDArray[np.float32],
+    core: NDArray[np.floating],
     grid: Grid,
     part: Grid,
     reaches: tuple[float, float],

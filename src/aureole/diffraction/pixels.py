@@ -141,6 +141,51 @@ def shifted(grid: Grid, counts: tuple[int, int]) -> Iterator[tuple[Grid, float]]
             yield Grid(grid.shape, grid.spacing, (float(y), float(x))), float(weight_y * weight_x / 4)
 
 
+def divided(grid: Grid, times: int) -> Grid:
+    """Return a grid whose samples are the middles of equal parts of each pixel.
+
+    Parameters
+    ----------
+    grid : Grid
+        Any.
+    times : int
+        Parts along each axis, odd.
+
+    Returns
+    -------
+    Grid
+        Of times² as many samples.
+    """
+    (rows, columns), (step_y, step_x) = grid.shape, grid.spacing
+    spacing = (step_y / times, step_x / times)
+    # At even counts the middle sample is the first part of its pixel, not the middle one.
+    y, x = (
+        middle - (0 if count % 2 else times // 2) * step
+        for middle, count, step in zip(grid.centre, grid.shape, spacing, strict=True)
+    )
+    return Grid((rows * times, columns * times), spacing, (y, x))
+
+
+def gathered(parts: NDArray[np.floating], times: int) -> NDArray[np.floating]:
+    """Return the sum over the parts of each pixel.
+
+    Parameters
+    ----------
+    parts : ndarray, shape (rows × times, columns × times, channels)
+        Values on a `divided` grid.
+    times : int
+        Parts along each axis.
+
+    Returns
+    -------
+    ndarray, shape (rows, columns, channels)
+        Their sums.
+    """
+    rows, columns, channels = parts.shape
+    split = parts.reshape(rows // times, times, columns // times, times, channels)
+    return np.asarray(split.sum(axis=(1, 3)))
+
+
 def centred_mean(aperture: Aperture, grid: Grid, counts: tuple[int, int]) -> NDArray[np.float32]:
     """Return the mean of |F|² over each pixel of an odd, centred grid in frequency.
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import light, refuse
-from aureole.diffraction import autocorrelation, coherence, core, pixels
+from aureole.diffraction import autocorrelation, coherence, core, discs, pixels
 from aureole.diffraction.far import check_grid
 from aureole.diffraction.pixels import REFERENCE_WAVELENGTH, SHORTEST, node_counts
 from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
@@ -32,6 +32,8 @@ OUTER_WAVELENGTHS = 161
 SCALED_CORE = (16.0, 16)
 COHERENT_CORE = (5.0, 5)
 RING, DIVISION = 16.0, 5
+# A disc-shaped light is spread on the pixels out to so many of its radii.
+DISC_REACH = 24.0
 # Outside the core a pixel is sampled no finer than this along each axis.
 MOST_OUTER_NODES = 6
 # One wavelength by itself may cost more, and most in the pixels about the axis.
@@ -41,7 +43,12 @@ OUTER_BUDGET = 3e9
 
 
 def starburst(
-    aperture: Aperture, grid: Grid, spectrum: Spectrum, method: str = "auto", sample: str = "area"
+    aperture: Aperture,
+    grid: Grid,
+    spectrum: Spectrum,
+    method: str = "auto",
+    sample: str = "area",
+    light_radius: float = 0.0,
 ) -> Picture:
     """Return the starburst of an aperture for light of a spectrum.
 
@@ -59,6 +66,9 @@ def starburst(
         for wavefronts, coherent where that serves, and scaled elsewhere.
     sample : str
         "area", the integral over each pixel; "point", the density at its centre times its area.
+    light_radius : float
+        Of a disc-shaped light, in direction cosines: the sine of half the angle that it subtends. 0 is a
+        point.
 
     Returns
     -------
@@ -69,16 +79,21 @@ def starburst(
     Raises
     ------
     refuse.Refusal
-        Where the grid, the method or the sampling does not fit.
+        Where the grid, the method, the sampling or the light's size does not fit.
     """
-    for stage in starburst_stages(aperture, grid, spectrum, method, sample):
+    for stage in starburst_stages(aperture, grid, spectrum, method, sample, light_radius):
         picture = stage.result
     assert isinstance(picture, Picture)
     return picture
 
 
 def starburst_stages(
-    aperture: Aperture, grid: Grid, spectrum: Spectrum, method: str = "auto", sample: str = "area"
+    aperture: Aperture,
+    grid: Grid,
+    spectrum: Spectrum,
+    method: str = "auto",
+    sample: str = "area",
+    light_radius: float = 0.0,
 ) -> Iterator[Stage]:
     """Do what `starburst` does, telling how far it is.
 
@@ -94,6 +109,8 @@ def starburst_stages(
         As in `starburst`.
     sample : str
         As in `starburst`.
+    light_radius : float
+        As in `starburst`.
 
     Yields
     ------
@@ -103,6 +120,9 @@ def starburst_stages(
     check_grid(grid)
     refuse.one_of("method", method, METHODS)
     refuse.one_of("sample", sample, SAMPLES)
+    refuse.between("light_radius", light_radius, 0, 1)
+    if light_radius and sample == "point":
+        raise refuse.Refusal("a light with a size is averaged over pixels; use sample 'area'.")
     if method == "auto":
         method = _choose(aperture, spectrum)
     if aperture.wavefront is not None and method != "exact":
@@ -110,8 +130,37 @@ def starburst_stages(
             f"method '{method}' takes one pattern for all wavelengths and this aperture has a wavefront, "
             "whose phase is another at each; use method 'exact'."
         )
+    if light_radius:
+        yield from _of_disc(aperture, grid, spectrum, method, light_radius)
+        return
     ways: dict[str, Way] = {"exact": _exact, "scaled": _scaled, "coherence": _coherent}
     yield from ways[method](aperture, grid, spectrum, sample)
+
+
+def _of_disc(
+    aperture: Aperture, grid: Grid, spectrum: Spectrum, method: str, radius: float
+) -> Iterator[Stage]:
+    """Spread a point light's starburst over a disc, outside the core within the closed form itself."""
+
+    def point(part: Grid) -> NDArray[np.floating]:
+        return starburst(aperture, part, spectrum, method).pixels
+
+    yield Stage(0.0, "starburst of a disc")
+    if method != "coherence":
+        pixels_of_disc = discs.spread(point, grid, radius)
+        yield Stage(1.0, "starburst", Picture(pixels_of_disc.astype(np.float32, copy=False), "xyz"))
+        return
+    total = _closed_form(aperture, grid, spectrum, "area", radius)
+    yield Stage(0.4, "starburst's core")
+    # The closed form takes all but its waves as constant over the disc, which holds far from it.
+    reach = (
+        max(RING, DISC_REACH * radius / grid.spacing[0]),
+        max(RING, DISC_REACH * radius / grid.spacing[1]),
+    )
+    part = core.part_within(grid, reach)
+    if 0 not in part.shape:
+        core.join(total, discs.spread_on_parts(point, part, radius), grid, part, reach)
+    yield Stage(1.0, "starburst", Picture(total, "xyz"))
 
 
 def _choose(aperture: Aperture, spectrum: Spectrum) -> str:
@@ -189,28 +238,25 @@ def _outer(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> N
     return picture.pixels * np.float32(pixels.share(aperture, grid, wavelength))
 
 
-def _closed_form(aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str) -> NDArray[np.float32]:
+def _closed_form(
+    aperture: Aperture, grid: Grid, spectrum: Spectrum, sample: str, light_radius: float = 0.0
+) -> NDArray[np.float32]:
     """Sum all wavelengths in closed form."""
-    frequencies = pixels.in_frequency(grid, REFERENCE_WAVELENGTH)
+    wavelength = REFERENCE_WAVELENGTH
+    frequencies = pixels.in_frequency(grid, wavelength)
     pixel = frequencies.spacing if sample == "area" else (0.0, 0.0)
-    scale = pixels.share(aperture, grid, REFERENCE_WAVELENGTH)
-    return coherence.coherent_power(aperture, frequencies, REFERENCE_WAVELENGTH, spectrum, pixel, scale=scale)
-
-
-def _divided(aperture: Aperture, grid: Grid, spectrum: Spectrum) -> NDArray[np.float32]:
-    """Sum all wavelengths in closed form on equal parts of each pixel."""
-    rows, columns = grid.shape
-    if 0 in grid.shape:
-        return np.zeros((rows, columns, 3), dtype=np.float32)
-    spacing = (grid.spacing[0] / DIVISION, grid.spacing[1] / DIVISION)
-    # At even counts the middle sample is the first part of its pixel, not the middle one.
-    y, x = (
-        middle - (0 if count % 2 else DIVISION // 2) * step
-        for middle, count, step in zip(grid.centre, grid.shape, spacing, strict=True)
+    scale = pixels.share(aperture, grid, wavelength)
+    return coherence.coherent_power(
+        aperture, frequencies, wavelength, spectrum, pixel, light_radius / wavelength, scale
     )
-    fine = Grid((rows * DIVISION, columns * DIVISION), spacing, (y, x))
-    parts = _closed_form(aperture, fine, spectrum, "area").reshape(rows, DIVISION, columns, DIVISION, 3)
-    return np.asarray(parts.sum(axis=(1, 3)))
+
+
+def _divided(aperture: Aperture, grid: Grid, spectrum: Spectrum) -> NDArray[np.floating]:
+    """Sum all wavelengths in closed form on equal parts of each pixel."""
+    if 0 in grid.shape:
+        return np.zeros((*grid.shape, 3), dtype=np.float32)
+    fine = pixels.divided(grid, DIVISION)
+    return pixels.gathered(_closed_form(aperture, fine, spectrum, "area"), DIVISION)
 
 
 def _fractions(aperture: Aperture, grid: Grid, wavelength: float, sample: str) -> NDArray[np.float32]:
