@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from aureole import jobs, light, presets, refuse
+from aureole import jobs, light, presets, refuse, units
 from aureole.cli import bench, options, output, runs
 from aureole.cli.options import FILES, ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, numbers, with_pupil_flags
@@ -119,6 +119,7 @@ def starburst(
     host: options.Host = None,
     illuminant: options.Illuminant = "E",
     wavelength: options.Wavelength = None,
+    light_size: options.LightSize = None,
     colour_space: options.ColourSpace = "rec709",
     method: options.Method = "auto",
     preview: options.Preview = None,
@@ -135,6 +136,8 @@ def starburst(
 
         aureole starburst --aperture circle --f-number 16 --wavelength 550nm --pixel-pitch 1um
         --sample point -o airy.exr
+
+        aureole starburst --f-number 22 --pixel-pitch 6um --light-size 0.53deg -o sun.exr
 
         aureole starburst --preset full-frame-24mm-f22 --for unreal -o bloom.exr --preview bloom.png
 
@@ -155,6 +158,7 @@ def starburst(
         fade,
         host,
         report is not None,
+        0.0 if light_size is None else units.angle(light_size, "light-size"),
     )
     runs.starburst(job, out, preview, report, as_json)
 

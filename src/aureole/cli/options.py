@@ -158,6 +158,13 @@ Wavelength = Annotated[
     str | None, typer.Option(help="One wavelength, such as 550nm.", rich_help_panel="Light")
 ]
 
+LightSize = Annotated[
+    str | None,
+    typer.Option(
+        help="Angle across a disc-shaped light, such as 0.53deg for the sun.", rich_help_panel="Light"
+    ),
+]
+
 BYTES = {"B": 1, "KB": 10**3, "MB": 10**6, "GB": 10**9, "TB": 10**12}
 
 

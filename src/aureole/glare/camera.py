@@ -5,6 +5,7 @@ the frequency is x / (f λ). The result is integrated over each pixel and over t
 whose white is the light's own, so that every channel holds the same energy.
 """
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -86,6 +87,7 @@ def camera_psf(
     method: str = "auto",
     sample: str = "area",
     border_fade: float = FADE,
+    light_size: float = 0.0,
 ) -> Picture:
     """Return a camera's point spread function on its own pixels.
 
@@ -105,6 +107,8 @@ def camera_psf(
         "area", energy of each pixel; "point", density at its centre times its area.
     border_fade : float
         Part of the half size over which the kernel falls to zero at its border; 0 for none.
+    light_size : float
+        Angle in radians across a disc-shaped light, such as the sun's 0.53 degrees; 0 is a point.
 
     Returns
     -------
@@ -118,7 +122,9 @@ def camera_psf(
         Where a choice or a number does not fit.
     """
     psf = None
-    for stage in camera_psf_stages(camera, shape, spectrum, colour_space, method, sample, border_fade):
+    for stage in camera_psf_stages(
+        camera, shape, spectrum, colour_space, method, sample, border_fade, light_size
+    ):
         psf = stage.result
     assert isinstance(psf, Picture)
     return psf
@@ -132,6 +138,7 @@ def camera_psf_stages(
     method: str = "auto",
     sample: str = "area",
     border_fade: float = FADE,
+    light_size: float = 0.0,
 ) -> Iterator[Stage]:
     """Do what `camera_psf` does, telling how far it is.
 
@@ -151,6 +158,8 @@ def camera_psf_stages(
         As in `camera_psf`.
     border_fade : float
         As in `camera_psf`.
+    light_size : float
+        As in `camera_psf`.
 
     Yields
     ------
@@ -162,8 +171,9 @@ def camera_psf_stages(
     grid = Grid(shape, (pitch_y / camera.focal_length, pitch_x / camera.focal_length))
     refuse.one_of("colour_space", colour_space, light.SPACES)
     refuse.between("border_fade", border_fade, 0, 1)
+    radius = math.sin(refuse.between("light_size", light_size, 0, math.pi) / 2)
     starburst = None
-    for stage in diffraction.starburst_stages(pupil(camera), grid, lamp, method, sample):
+    for stage in diffraction.starburst_stages(pupil(camera), grid, lamp, method, sample, radius):
         starburst = stage.result
         yield Stage(0.95 * stage.fraction, stage.label)
     assert isinstance(starburst, Picture)

@@ -41,6 +41,8 @@ class StarburstJob:
         "unreal", "blender" or "nuke", for a kernel in that program's convention.
     measures : bool
         Whether to measure the pupil, too: transfer functions, Strehl ratio, encircled energy.
+    light_size : float
+        Angle in radians across a disc-shaped light; 0 is a point.
     """
 
     optics: Optics = field(default_factory=Optics)
@@ -53,6 +55,7 @@ class StarburstJob:
     border_fade: float = 0.25
     host: str | None = None
     measures: bool = False
+    light_size: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +104,7 @@ def run_starburst(job: StarburstJob) -> Iterator[Stage]:
     camera = job.optics.camera(pixel_pitch=job.pixel_pitch)
     psf = None
     for stage in glare.camera_psf_stages(
-        camera, job.shape, lamp, job.colour_space, job.method, job.sample, job.border_fade
+        camera, job.shape, lamp, job.colour_space, job.method, job.sample, job.border_fade, job.light_size
     ):
         psf = stage.result
         yield Stage((0.8 if job.measures else 0.98) * stage.fraction, stage.label)
