@@ -1,12 +1,16 @@
 # make demo: the main job on the bundled scene.  make test: everything that is tested.
+# make figures: the pictures of docs/far-field.md.
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 
-.PHONY: demo test check clean
+.PHONY: demo test figures check clean
 
 demo: $(VENV)/.installed
 	@$(BIN)/aureole demo
+
+figures: $(VENV)/.installed
+	@AUREOLE=$(BIN)/aureole sh docs/figures.sh
 
 test: $(VENV)/.tests-installed check
 	$(BIN)/python -m pytest

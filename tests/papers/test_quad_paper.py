@@ -1,4 +1,4 @@
-"""L. Scandolo, S. Lee, E. Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis", 2019.
+"""L. Scandolo, S. Lee, E. Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis", 2018.
 
 Table 1 counts the quads of four apertures at 256² to 4096². The shapes' exact sizes are not printed.
 Here they fill half of the window, binary, and the tree starts at half the size, as the paper's does

@@ -24,7 +24,7 @@ def refused(message):
     return pytest.raises(refuse.Refusal, match=f"^{re.escape(message)}$")
 
 
-# The rules of Scandolo, Lee and Eisemann 2019, §4.2, on one block of four.
+# The rules of Scandolo, Lee and Eisemann 2018, §4.2, on one block of four.
 
 
 def test_four_equal_children_merge():

@@ -143,6 +143,23 @@ def test_scaled_agrees_with_exact_far_out():
     assert np.median(np.abs(scaled / exact - 1)) < 0.15
 
 
+@pytest.mark.parametrize("name", ["circle", "heptagon", "mask"])
+def test_batches_agree_with_exact(name):
+    """Also beyond the core, where 60 wavelengths leave bands of some per cent."""
+    spectrum, grid = light.illuminant("E"), pixels((80, 81), 0.7)
+    exact, batch = (starburst(SHAPES[name], grid, spectrum, method).pixels for method in ("exact", "batch"))
+    np.testing.assert_allclose(batch, exact, rtol=0, atol=PEAK * exact.max())
+    np.testing.assert_allclose(batch.sum(axis=(0, 1)), exact.sum(axis=(0, 1)), rtol=1e-3)
+    y, x = np.ogrid[:80, :81]
+    outside = np.hypot(y - 40, x - 40) > 30
+    assert 1e-4 < np.median(np.abs(batch[outside] / exact[outside] - 1)) < 0.15
+
+
+def test_batches_refuse_lines():
+    with pytest.raises(refuse.Refusal, match="method 'batch' needs a light that is not made of lines"):
+        starburst(CIRCLE, pixels((3, 3), 1.0), GREEN, "batch")
+
+
 @pytest.mark.parametrize("name", ["circle", "heptagon"])
 @pytest.mark.parametrize("lamp", ["E", "D65"])
 @pytest.mark.parametrize("pitch", [0.7, 2.1])
@@ -295,7 +312,7 @@ def test_auto_is_exact_for_few_lines_and_scaled_elsewhere():
     [
         (
             {"method": "scald"},
-            "'method' must be one of 'auto', 'exact', 'scaled', 'coherence', got 'scald'. "
+            "'method' must be one of 'auto', 'exact', 'scaled', 'batch', 'coherence', got 'scald'. "
             "Did you mean 'scaled'?",
         ),
         (

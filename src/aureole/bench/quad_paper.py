@@ -1,7 +1,7 @@
 """The quad paper's tables and figures, measured here beside what it prints.
 
 L. Scandolo, S. Lee, E. Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis",
-Computer Graphics Forum 38 (4), 2019. Its times are a GeForce GTX 1080 Ti's.
+Computer Graphics Forum 37 (4), 2018. Its times are a GeForce GTX 1080 Ti's.
 """
 
 from collections.abc import Iterator

@@ -46,7 +46,7 @@ def quad_paper(
     """Tables 1-3 and Figures 8-11 of the quad paper, beside what it prints.
 
     L. Scandolo, S. Lee, E. Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis",
-    2019; its times are a GeForce GTX 1080 Ti's. Names for --only: table-1, table-2, table-3, figure-8,
+    2018; its times are a GeForce GTX 1080 Ti's. Names for --only: table-1, table-2, table-3, figure-8,
     figure-9, figure-10, figure-11.
 
     Examples:

@@ -153,7 +153,7 @@ Fade = Annotated[
 Host = Annotated[
     str | None, typer.Option("--for", help="unreal, blender or nuke: its convention.", rich_help_panel=KERNEL)
 ]
-Method = Annotated[str, typer.Option(help="auto, exact, scaled or coherence.", rich_help_panel=KERNEL)]
+Method = Annotated[str, typer.Option(help="auto, exact, scaled, batch or coherence.", rich_help_panel=KERNEL)]
 Wavelength = Annotated[
     str | None, typer.Option(help="One wavelength, such as 550nm.", rich_help_panel="Light")
 ]

@@ -1,6 +1,6 @@
 """The power of a mask's far field where it may exceed a level, zero elsewhere (quad paper §4.3).
 
-Scandolo, Lee, Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis", 2019,
+Scandolo, Lee, Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis", 2018,
 test the power and its analytic derivatives on every eighth frequency of each axis. Fringes are
 shorter than that, which the derivatives mend, but so is the width of a streak: one that runs nearly
 along an axis slips between the samples. Here the frequencies that are tested lie on the edges of the

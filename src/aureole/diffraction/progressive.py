@@ -1,6 +1,6 @@
 """The far field of an aperture that changes: only the change is transformed (quad paper §4.3).
 
-Scandolo, Lee, Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis", 2019. The
+Scandolo, Lee, Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis", 2018. The
 difference of two masks is few quads, positive and negative ones, and the transform is linear. The sum
 over those quads is taken row by row of the difference: it is folded about its centre into even and
 odd parts, which have half as many rows and real waves, and rows equal by their bits are taken once.

@@ -1,6 +1,6 @@
 """A mask as few signed rectangles: the quadtree of the quad paper, §4.2.
 
-Scandolo, Lee, Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis", 2019.
+Scandolo, Lee, Eisemann, "Quad-based Fourier transform for efficient diffraction synthesis", 2018.
 The tree is built from the pixels up. Four equal children merge. One lit child of four is listed and
 dark goes up; two adjacent ones are listed as one 2:1 rectangle; of three lit ones, lit goes up and a
 negative quad covers the dark one. Grey masks follow the same rule with weights: the value that goes

@@ -1,7 +1,7 @@
 """The spectral sum: a pattern at one wavelength, scaled to every wavelength of a light and added up.
 
 Diffraction patterns scale with wavelength. Where P_r is the pattern at the reference wavelength λ_r
-over frequency q, the colour at q is (Scandolo, Lee and Eisemann 2019, Eq. 14-16)
+over frequency q, the colour at q is (Scandolo, Lee and Eisemann 2018, Eq. 14-16)
 
     S_c(q) = Σ_λ w_c(λ) ρ(λ)² P_r(ρ(λ) q),    ρ(λ) = λ_r / λ,
 

@@ -1,0 +1,109 @@
+"""What the manual says exists: commands parse, links lead somewhere, sources are cited where it is said."""
+
+import pathlib
+import re
+import shlex
+
+import pytest
+from typer.main import get_command
+
+import aureole
+from aureole.cli.app import app
+
+ROOT = pathlib.Path(__file__).parents[2]
+SOURCE = pathlib.Path(aureole.__file__).parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+LARGEST_PICTURE = 300_000
+
+
+def shell_lines(text: str) -> list[str]:
+    """Every line of the fences marked sh, lines that end in a backslash joined with the next."""
+    blocks = re.findall(r"^```sh\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
+    return [line.strip() for block in blocks for line in block.replace("\\\n", " ").splitlines()]
+
+
+def commands() -> list[str]:
+    lines = [line for page in PAGES for line in shell_lines(page.read_text(encoding="utf-8"))]
+    return [line for line in lines if line.startswith("aureole ")]
+
+
+def parse(line: str) -> None:
+    """Parse a command as the shell would hand it over, without running it."""
+    command, words = get_command(app), shlex.split(line, comments=True)
+    context = command.make_context(words[0], words[1:])
+    while hasattr(command, "resolve_command"):
+        # A group keeps its own options; the first word that is left names the command.
+        words = [*context._protected_args, *context.args]
+        name, command, words = command.resolve_command(context, words)
+        context = command.make_context(name, list(words), parent=context)
+
+
+def links() -> list[tuple[pathlib.Path, str]]:
+    """Every link and picture that leads to a file of ours."""
+    found = []
+    for page in [*PAGES, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]:
+        text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+        targets = re.findall(r"\]\(([^)\s#]+)[^)]*\)", text)
+        found += [(page, target) for target in targets if "://" not in target]
+    return found
+
+
+@pytest.mark.parametrize("line", commands())
+def test_commands_of_the_manual_parse(line):
+    parse(line)
+
+
+def test_the_manual_has_commands():
+    assert len(commands()) > 15
+
+
+@pytest.mark.parametrize(
+    "line", ["aureole starburst --dusts 10% -o a.exr", "aureole star", "aureole glare a.exr"]
+)
+def test_the_rule_sees_a_wrong_command(line):
+    with pytest.raises(Exception, match=r"[Nn]o such|[Mm]issing"):
+        parse(line)
+
+
+def test_links_lead_to_files():
+    lost = [f"{page.name}: {target}" for page, target in links() if not (page.parent / target).exists()]
+    assert not lost, lost
+    assert len(links()) > 15
+
+
+def test_pictures_are_small_and_each_is_shown():
+    shown = {(page.parent / target).resolve() for page, target in links()}
+    for path in sorted((ROOT / "docs" / "pictures").iterdir()):
+        assert path.resolve() in shown, f"{path.name} is on no page"
+        assert path.name == "demo.jpg" or path.stat().st_size < LARGEST_PICTURE, path.name
+
+
+def test_each_picture_of_the_far_field_is_made_by_the_script():
+    """The loop over methods writes three of them."""
+    script = (ROOT / "docs" / "figures.sh").read_text(encoding="utf-8")
+    for name in re.findall(
+        r"pictures/([\w.-]+)", (ROOT / "docs" / "far-field.md").read_text(encoding="utf-8")
+    ):
+        assert name in script or re.fullmatch(r"spectrum-(scaled|batch|coherence)\.jpg", name), name
+
+
+def entries() -> list[dict[str, str]]:
+    text = (ROOT / "docs" / "references.bib").read_text(encoding="utf-8")
+    blocks = re.findall(r"^@\w+\{(\w+),\n(.*?)^\}", text, flags=re.DOTALL | re.MULTILINE)
+    field = re.compile(r"(\w+) = \{((?:[^{}]|\{[^{}]*\})*)\}")
+    return [{"key": key} | dict(field.findall(body)) for key, body in blocks]
+
+
+@pytest.mark.parametrize("entry", entries(), ids=lambda entry: entry["key"])
+def test_sources_are_cited_where_the_list_says(entry):
+    text = (SOURCE / entry["usedin"]).read_text(encoding="utf-8")
+    word = entry.get("number", "") if "institution" in entry else entry["author"].split(",")[0]
+    assert word in text, f"{entry['usedin']} does not name {word}"
+
+
+def test_targets_of_make_exist():
+    made = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
+    said = {
+        word for page in PAGES for word in re.findall(r"`make (\w+)`|^ *make (\w+)", page.read_text(), re.M)
+    }
+    assert {one or other for one, other in said} <= made
