@@ -35,6 +35,10 @@ for method in scaled batch coherence; do
     burst "spectrum-$method.jpg" --blades 6 --pixel-pitch 6um --method $method
 done
 
+# A point, and a disc as large as the sun.
+burst point.jpg --blades 6 --pixel-pitch 20um
+burst sun.jpg --blades 6 --pixel-pitch 20um --light-size 0.53deg
+
 # The paper's Figure 5: a hexagon without dust, behind dust, behind stretched dust.
 draw dust-none.png --blades 6 --size 256
 draw dust-round.png --blades 6 --size 256 --dust 10% --seed 3

@@ -56,6 +56,16 @@ def test_size_keeps_energy(method, radius):
     assert found.min() >= 0
 
 
+@pytest.mark.parametrize("method", ["scaled", "coherence"])
+def test_a_mean_over_the_disc_is_nowhere_below_its_least(method):
+    """Between the rays, nine decades below the disc itself, rounding must not show."""
+    point, wide = Grid((181, 181), (PIXEL, PIXEL)), Grid((161, 161), (PIXEL, PIXEL))
+    least = diffraction.starburst(HEPTAGON, point, LAMP, method).pixels.min()
+    found = diffraction.starburst(HEPTAGON, wide, LAMP, method, light_radius=8 * PIXEL).pixels
+    assert found.min() > 0.9 * least
+    assert found.max() > 1e5 * found.min()
+
+
 def test_a_wide_disc_is_seen_as_a_disc():
     # Nearly all light lies within the disc's own picture, evenly: 1 / (π r²) of it a pixel.
     radius = 12.0

@@ -80,7 +80,9 @@ def _convolved(point: Point, grid: Grid, radius: float) -> NDArray[np.floating]:
     (rows, columns), (step_y, step_x) = grid.shape, grid.spacing
     high, wide = math.ceil(radius / step_y) + 1, math.ceil(radius / step_x) + 1
     whole = point(Grid((rows + 2 * high, columns + 2 * wide), grid.spacing, grid.centre))
-    spread_out = picture.convolve(whole, _painted(high, wide, radius / step_y, radius / step_x))
+    # Between the rays lies less than the rounding of float32 about the peak.
+    disc = _painted(high, wide, radius / step_y, radius / step_x)
+    spread_out = picture.convolve(whole, disc, precision="double")
     return np.ascontiguousarray(spread_out[high : high + rows, wide : wide + columns])
 
 
