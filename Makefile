@@ -4,21 +4,27 @@ PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
 
-.PHONY: demo test figures check clean
+.PHONY: demo test figures check stale clean
 
-demo: $(VENV)/.installed
+demo: $(VENV)/.installed stale
 	@$(BIN)/aureole demo
 
-figures: $(VENV)/.installed
+figures: $(VENV)/.installed stale
 	@AUREOLE=$(BIN)/aureole sh docs/figures.sh
 
-test: $(VENV)/.tests-installed check
+test: $(VENV)/.tests-installed check stale
 	$(BIN)/python -m pytest
 
 check: $(VENV)/.tests-installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+# Compiled loops are kept beside their sources, each by its own source's date alone; one that calls into
+# another file is not made anew when that one changes. So all that is older than the newest source goes.
+stale:
+	@newest=$$(ls -t $$(find src -name '_kernels*.py') | head -n 1); \
+	find src -name '*.nb[ic]' ! -newer "$$newest" -delete
 
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)

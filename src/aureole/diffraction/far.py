@@ -258,9 +258,9 @@ def _fastest(aperture: Aperture, grid: Grid) -> tuple[str, list[Factor] | None]:
     if _rows_seconds(size, 4 * half * columns * (rows + half), grid) <= seconds:
         return "rows", None
     quadrants, lines = sample(aperture.mask)
-    if _rows_seconds(size, quadrants * lines * rows * columns // 2, grid) > seconds:
+    if _rows_seconds(size, quadrants * lines * rows * columns, grid) > seconds:
         return rival, None
-    # Between the two bounds the mask decides; what was found out about it is used, and is paid for.
+    # Where a few rows look promising the whole mask decides; what was found is used, and is paid for.
     factors = factor(aperture.mask)
     spent = ROWS_PIXEL * size**2
     if _rows_seconds(size, multiplications(factors, rows, columns), grid) <= seconds + spent:
