@@ -53,6 +53,10 @@ burst scratches.jpg --pixel-pitch 6um --scratches 40 --seed 2
 draw vanes.png --aperture circle --obstruction 30% --spiders 4 --spider-rotation 20 --size 256
 burst vanes.jpg --aperture circle --obstruction 30% --spiders 4 --spider-rotation 20 --pixel-pitch 6um
 
+# The page about a pupil.
+$AUREOLE starburst --aperture circle --f-number 8 --obstruction 30% --spiders 4 --zernike coma-x=40nm \
+    --pixel-pitch 2um -o "$TEMP/psf.exr" --report "$TO/report.jpg" --json
+
 # The same heptagon as outlines, and as a raster whose stair steps show far out.
 $AUREOLE aperture --size 256 -o "$TEMP/heptagon.png" --json
 burst outlines.jpg --pixel-pitch 24um

@@ -121,7 +121,7 @@ def test_glare_sees_the_dirt(tmp_path, capsys):
     np.testing.assert_allclose(after[1].sum(), after[0].sum(), rtol=1e-4)
 
 
-@pytest.mark.parametrize("suffix", [".png", ".pdf", ".svg"])
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".pdf", ".svg"])
 def test_the_report_tells_the_numbers_and_writes_the_page(suffix, tmp_path, capsys):
     out, page = tmp_path / "psf.exr", tmp_path / f"report{suffix}"
     found = told(["starburst", *CIRCLE, *SMALL, "-o", out, "--report", page], capsys)
@@ -135,7 +135,7 @@ def test_the_report_tells_the_numbers_and_writes_the_page(suffix, tmp_path, caps
     assert found["mtf50_tangential_cycles_per_mm"] == pytest.approx(0.4040 * 227.27, rel=1e-3)
     # 1 − J0² − J1² is 1/2 at 0.5346 λN.
     assert found["radius_of_50_percent_energy_m"] == pytest.approx(0.5346 * wavelength * number, rel=2e-3)
-    begin = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}[suffix]
+    begin = {".png": b"\x89PNG", ".jpg": b"\xff\xd8\xff", ".pdf": b"%PDF", ".svg": b"<?xml"}[suffix]
     assert page.read_bytes().startswith(begin)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["psf.exr", page.name]
 
@@ -206,7 +206,10 @@ BAD = [
     (["--zernike", "comma-x=30nm"], "Did you mean 'coma-x'?"),
     (["--defocus", "5mm"], "give it more pixels or take a smaller error."),
     (["--method", "scaled", "--defocus", "100nm"], "use method 'exact'."),
-    (["--report", "r.doc"], "'suffix of the report' must be one of '.png', '.pdf', '.svg', got '.doc'."),
+    (
+        ["--report", "r.doc"],
+        "'suffix of the report' must be one of '.png', '.jpg', '.pdf', '.svg', got '.doc'.",
+    ),
     (["--report", "no/r.png"], "there is no folder 'no'"),
 ]
 

@@ -95,7 +95,7 @@ Page = Annotated[
     Path | None,
     typer.Option(
         "--report",
-        help="Also write a page of MTF, encircled energy and numbers: PNG, PDF or SVG.",
+        help="Also write a page of MTF, encircled energy and numbers: PNG, JPEG, PDF or SVG.",
         rich_help_panel=FILES,
     ),
 ]

@@ -137,7 +137,7 @@ def starburst(
     preview : Path, optional
         PNG out.
     page : Path, optional
-        One page of curves and numbers out: PNG, PDF or SVG; the job must ask for the measures.
+        One page of curves and numbers out: PNG, JPEG, PDF or SVG; the job must ask for the measures.
     as_json : bool
         Whether a machine reads the report.
     """

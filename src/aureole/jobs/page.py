@@ -9,7 +9,7 @@ from aureole import diffraction, glare, picture, refuse, units
 from aureole.jobs.measures import AIRY, PupilMeasures
 from aureole.records import Aperture, Camera, Grid, Picture
 
-SUFFIXES = (".png", ".pdf", ".svg")
+SUFFIXES = (".png", ".jpg", ".pdf", ".svg")
 SIZE_INCHES, DOTS_PER_INCH = (11.69, 8.27), 150
 CORE_PIXELS, CORE_DECADES = 301, 6
 # Half the side of the core's picture in Airy radii, more where the energy is spread wider.
@@ -46,7 +46,7 @@ def write_page(path: Path, psf: Picture, camera: Camera, measures: PupilMeasures
     Parameters
     ----------
     path : Path
-        File to write; its suffix says the format: PNG, PDF or SVG.
+        File to write; its suffix says the format: PNG, JPEG, PDF or SVG.
     psf : Picture
         The camera's point spread function.
     camera : Camera
