@@ -82,7 +82,7 @@ def test_each_picture_of_the_far_field_is_made_by_the_script():
     """The loop over methods writes three of them."""
     script = (ROOT / "docs" / "figures.sh").read_text(encoding="utf-8")
     for name in re.findall(
-        r"pictures/([\w.-]+)", (ROOT / "docs" / "far-field.md").read_text(encoding="utf-8")
+        r"\(pictures/([\w.-]+)\)", (ROOT / "docs" / "far-field.md").read_text(encoding="utf-8")
     ):
         assert name in script or re.fullmatch(r"spectrum-(scaled|batch|coherence)\.jpg", name), name
 
