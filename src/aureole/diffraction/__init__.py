@@ -13,6 +13,8 @@ cosines     cosine and sine transforms of a folded mask, where a real FFT would 
 polygons    the far field of exact outlines, straight edges, arcs and circles
 progressive the far field of an aperture that changes, from the change alone
 autocorrelation  an opening laid over itself, shifted: pixel integrals at one wavelength
+fresnel     the Fresnel integrals, from tables
+near        near_field: Fresnel diffraction on a plane at any distance
 measures    transfer functions, Strehl ratio, encircled energy and cut-off of a pupil
 coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals
@@ -20,6 +22,7 @@ starburst   a whole starburst over all wavelengths, point samples or pixel integ
 
 from aureole.diffraction.far import METHODS, check_grid, far_field, far_power
 from aureole.diffraction.measures import cutoff_frequency, encircled_energy, mtf, optical_transfer, strehl
+from aureole.diffraction.near import near_field
 from aureole.diffraction.progressive import ProgressiveFarField
 from aureole.diffraction.quadtree import FINEST, Quads, difference_quads, level_mask, paint, quadtree
 from aureole.diffraction.starburst import starburst, starburst_stages
@@ -37,6 +40,7 @@ __all__ = [
     "far_power",
     "level_mask",
     "mtf",
+    "near_field",
     "optical_transfer",
     "paint",
     "quadtree",

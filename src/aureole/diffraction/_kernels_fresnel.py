@@ -1,0 +1,154 @@
+"""Compiled loops of the near field: Fresnel integrals, tables of them, and putting parities together.
+
+E(x) = C(x) + i S(x) = (1 + i) / 2 − w(x) exp(iπx²/2) for x ≥ 0. The factor w is smooth: up to LAST it is
+a Taylor polynomial about the nearest of many nodes, beyond that its asymptotic series.
+"""
+
+import math
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+C128 = NDArray[np.complex128]
+
+# Nodes a unit, and where the asymptotic series takes over.
+NODES = 64
+LAST = 6.0
+# From here on E differs from its limit by less than 1 / (π FLAT).
+FLAT = 1e9
+
+
+@numba.njit(cache=True)
+def _integral(x: float, taylor: F64) -> complex:
+    """Return C(x) + i S(x)."""
+    size = abs(x)
+    if size >= FLAT:
+        return complex(math.copysign(0.5, x), math.copysign(0.5, x))
+    if size < LAST:
+        node = int(size * NODES + 0.5)
+        step = size - node / NODES
+        row = taylor[node]
+        real, imaginary = row[5], row[11]
+        for k in range(4, -1, -1):
+            real = real * step + row[k]
+            imaginary = imaginary * step + row[6 + k]
+    else:
+        rate = 1.0 / (math.pi * size)
+        q = rate / size
+        q *= q
+        imaginary = rate * (1 - q * (3 - q * (105 - q * (10395 - q * 2027025))))
+        real = rate * rate / size * (1 - q * (15 - q * (945 - q * (135135 - q * 34459425))))
+    # Whole turns are taken off before the sine and cosine.
+    turns = 0.25 * size * size
+    angle = 2 * math.pi * (turns - math.floor(turns + 0.5))
+    cosine, sine = math.cos(angle), math.sin(angle)
+    c = 0.5 - (real * cosine - imaginary * sine)
+    s = 0.5 - (real * sine + imaginary * cosine)
+    return complex(math.copysign(c, x), math.copysign(s, x))
+
+
+@numba.njit(cache=True, parallel=True)
+def integrals(x: F64, taylor: F64, out: C128) -> None:
+    """Fill C(x) + i S(x).
+
+    Parameters
+    ----------
+    x : ndarray of float64, shape (N,)
+        Finite or infinite.
+    taylor : ndarray of float64, shape (T, 12)
+        Of w about each node: six real parts, six imaginary ones.
+    out : ndarray of complex128, shape (N,)
+        Filled.
+    """
+    for k in numba.prange(len(x)):
+        out[k] = _integral(x[k], taylor)
+
+
+@numba.njit(cache=True, parallel=True)
+def edge_integrals(edges: F64, places: F64, scale: float, taylor: F64, out: C128) -> None:
+    """Fill E(scale (edge − place)) and E(scale (edge + place)).
+
+    Parameters
+    ----------
+    edges : ndarray of float64, shape (N,)
+        Metres.
+    places : ndarray of float64, shape (M,)
+        Metres.
+    scale : float
+        √(2 / (λz)), per metre.
+    taylor : ndarray of float64, shape (T, 12)
+        As for `integrals`.
+    out : ndarray of complex128, shape (N, 2, M)
+        Filled.
+    """
+    for k in numba.prange(len(edges)):
+        for j in range(len(places)):
+            out[k, 0, j] = _integral(scale * (edges[k] - places[j]), taylor)
+            out[k, 1, j] = _integral(scale * (edges[k] + places[j]), taylor)
+
+
+@numba.njit(cache=True, parallel=True)
+def interval_factors(table: C128, low: NDArray[np.int64], high: NDArray[np.int64], out: F32) -> None:
+    """Fill the even and the odd near field of intervals between two edges.
+
+    Parameters
+    ----------
+    table : ndarray of complex128, shape (N, 2, M)
+        From `edge_integrals`.
+    low, high : ndarray of int64, shape (K,)
+        Edges at which each interval starts and ends.
+    out : ndarray of float32, shape (2, K, 2 M)
+        Half the sum and half the difference of an interval's field and its mirror image's: real parts,
+        then imaginary ones.
+    """
+    count = table.shape[2]
+    for k in numba.prange(len(low)):
+        start, end = table[low[k]], table[high[k]]
+        for j in range(count):
+            there, back = end[0, j] - start[0, j], end[1, j] - start[1, j]
+            even, odd = 0.5 * (there + back), 0.5 * (there - back)
+            out[0, k, j], out[0, k, count + j] = even.real, even.imag
+            out[1, k, j], out[1, k, count + j] = odd.real, odd.imag
+
+
+@numba.njit(cache=True, parallel=True)
+def unfold(
+    products: F32, present: NDArray[np.bool_], middle: tuple[int, int], out: NDArray[np.complex64]
+) -> None:
+    """Fill a near field from those of its even and odd parts.
+
+    Parameters
+    ----------
+    products : ndarray of float32, shape (4, 2 P, 2 Q)
+        Even, odd along x, odd along y, odd along both; real and imaginary rows by real and imaginary
+        columns.
+    present : ndarray of bool, shape (4,)
+        Which parts are not zero.
+    middle : tuple of int
+        Row and column at the plane's origin, where only places from there on were computed, else −1.
+    out : ndarray of complex64, shape (rows, columns)
+        Filled with −i/2 times the sum.
+    """
+    rows, columns = out.shape
+    p, q = products.shape[1] // 2, products.shape[2] // 2
+    middle_y, middle_x = middle
+    half = np.float32(0.5)
+    for i in numba.prange(rows):
+        row = np.int64(i)
+        a = row if middle_y < 0 else abs(row - middle_y)
+        line = out[i]
+        line[:] = 0
+        for part in range(4):
+            if not present[part]:
+                continue
+            sign_y = -half if part >= 2 and middle_y > row else half
+            upper, lower = products[part, a], products[part, p + a]
+            for j in range(columns):
+                b = j if middle_x < 0 else abs(j - middle_x)
+                sign = -sign_y if part % 2 and middle_x > j else sign_y
+                real = upper[b] - lower[q + b]
+                imaginary = upper[q + b] + lower[b]
+                line[j] += complex(sign * imaginary, -sign * real)

@@ -1,0 +1,157 @@
+"""The near field's methods agree with the reference, over masks × planes × sizes; refusals."""
+
+import re
+
+import numpy as np
+import pytest
+
+from aureole import Grid, aperture, refuse
+from aureole.diffraction import near_field
+from aureole.diffraction.fresnel import fresnel_integrals
+from aureole.diffraction.near import METHODS
+from aureole.records import Aperture
+
+WIDTH = 2e-3
+WAVELENGTH = 550e-9
+FAST = [name for name in METHODS if name != "reference"]
+ABSOLUTE = 3e-6  # where nothing blocks the wave the field is 1
+SHAPES = {
+    "grey": np.random.default_rng(1).random((21, 21)),
+    "binary": np.random.default_rng(2).random((32, 32)).round(),
+    "sparse": np.random.default_rng(3).random((30, 30)) > 0.95,
+    "one": np.ones((1, 1)),
+    "two": np.array([[0.25, 1.0], [0.5, 0.0]]),
+    "circle": aperture.rasterize(aperture.circle(WIDTH), 64),
+    "heptagon": aperture.rasterize(aperture.iris(7, WIDTH), 65),
+    "whirl": aperture.rasterize(aperture.whirl(WIDTH, 5), 64),
+}
+SIZES = [(1, 1), (1, 23), (16, 16), (17, 15)]
+CENTRES = [(0.0, 0.0), (0.0, 0.31e-3), (-0.7e-3, 0.0), (1.1e-3, -6.3e-3)]
+
+
+def distance_at(number):
+    return (WIDTH / 2) ** 2 / (WAVELENGTH * number)
+
+
+def refused(message):
+    return pytest.raises(refuse.Refusal, match=f"^{re.escape(message)}$")
+
+
+@pytest.mark.parametrize("method", FAST)
+@pytest.mark.parametrize("kind", list(SHAPES))
+@pytest.mark.parametrize("centre", CENTRES)
+def test_methods_agree(method, kind, centre):
+    shape = aperture.from_mask(SHAPES[kind], WIDTH)
+    for size in SIZES:
+        grid = Grid(size, (WIDTH / 11, WIDTH / 17), centre)
+        for number in (1e-3, 3.0, 1000.0):
+            wanted = near_field(shape, grid, distance_at(number), WAVELENGTH, "reference").amplitude
+            found = near_field(shape, grid, distance_at(number), WAVELENGTH, method)
+            assert found.grid == grid
+            assert found.amplitude.dtype == np.complex64
+            assert found.amplitude.shape == size
+            atol = ABSOLUTE * min(1.0, 10 * number)
+            np.testing.assert_allclose(found.amplitude, wanted, rtol=0, atol=atol)
+
+
+def test_auto_serves_as_well():
+    for kind in ("whirl", "grey"):
+        shape, grid = aperture.from_mask(SHAPES[kind], WIDTH), Grid((12, 13), (1e-4, 2e-4))
+        wanted = near_field(shape, grid, 0.2, WAVELENGTH, "reference").amplitude
+        found = near_field(shape, grid, 0.2, WAVELENGTH).amplitude
+        assert found.dtype == np.complex64
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=ABSOLUTE)
+
+
+@pytest.mark.parametrize("method", FAST)
+def test_a_plane_far_to_the_side(method):
+    """A hundred widths off the axis the field is faint, and right to what it is."""
+    shape = aperture.from_mask(SHAPES["grey"], WIDTH)
+    grid = Grid((9, 8), (1e-5, 1e-5), (0.2, -0.15))
+    for number in (0.01, 5.0):
+        wanted = near_field(shape, grid, distance_at(number), WAVELENGTH, "reference").amplitude
+        found = near_field(shape, grid, distance_at(number), WAVELENGTH, method).amplitude
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-3 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("method", list(METHODS))
+def test_outlines_are_rasterized(method):
+    heptagon, grid = aperture.iris(7, WIDTH), Grid((12, 13), (WIDTH / 9, WIDTH / 9))
+    found = near_field(heptagon, grid, 0.1, WAVELENGTH, method, raster_size=40).amplitude
+    mask = aperture.from_mask(aperture.rasterize(heptagon, 40), WIDTH)
+    wanted = near_field(mask, grid, 0.1, WAVELENGTH, "reference").amplitude
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=ABSOLUTE)
+
+
+@pytest.mark.parametrize("method", list(METHODS))
+def test_a_dark_mask_has_no_field(method):
+    dark = Aperture(1.0, mask=np.zeros((4, 4), dtype=np.float32))
+    field = near_field(dark, Grid((4, 5), (1.0, 1.0)), 1.0, WAVELENGTH, method)
+    np.testing.assert_array_equal(field.amplitude, np.zeros((4, 5)))
+
+
+@pytest.mark.parametrize("method", list(METHODS))
+def test_no_number_makes_a_field_that_is_none(method):
+    shape = aperture.from_mask(SHAPES["two"], WIDTH)
+    for distance in (5e-324, 1e-200, 1e-9, 1e9, 1e300):
+        for wavelength in (5e-324, 1e-100, 5e-7, 1e300):
+            for spacing in (1e-300, 1e-4, 1e150):
+                grid = Grid((3, 4), (spacing, spacing), (0.0, WIDTH / 2))
+                field = near_field(shape, grid, distance, wavelength, method).amplitude
+                assert np.isfinite(field).all(), (distance, wavelength, spacing)
+                assert np.abs(field).max() < 3
+
+
+def test_a_wavefront_is_a_phase():
+    """A flat one turns the field; a lens brings its light together at its focus."""
+    shape = aperture.from_mask(SHAPES["circle"], WIDTH)
+    grid, distance = Grid((9, 9), (2e-5, 2e-5)), distance_at(2.0)
+    plain = near_field(shape, grid, distance, WAVELENGTH, "reference").amplitude
+    flat = Aperture(WIDTH, mask=shape.mask, wavefront=np.full((64, 64), WAVELENGTH / 4, dtype=np.float32))
+    turned = near_field(flat, grid, distance, WAVELENGTH).amplitude
+    np.testing.assert_allclose(turned, 1j * plain, atol=1e-6)
+    x = (np.arange(64) + 0.5) / 64 * WIDTH - WIDTH / 2
+    bent = -(x[:, None] ** 2 + x**2) / (2 * distance)
+    lens = Aperture(WIDTH, mask=shape.mask, wavefront=bent.astype(np.float32))
+    focus = near_field(lens, grid, distance, WAVELENGTH).amplitude
+    area = float(shape.mask.sum()) * (WIDTH / 64) ** 2
+    assert np.abs(focus[4, 4]) == pytest.approx(area / (WAVELENGTH * distance), rel=0.01)
+    for method in FAST:
+        with refused(
+            f"method '{method}' takes real transmittances and this aperture has a wavefront; use 'reference'."
+        ):
+            near_field(flat, grid, distance, WAVELENGTH, method)
+
+
+GRID = Grid((8, 8), (1e-4, 1e-4))
+ROUND = aperture.circle(WIDTH)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((GRID, 0.0, WAVELENGTH), "'distance' must be a finite number > 0, got 0."),
+        ((GRID, -1.0, WAVELENGTH), "'distance' must be a finite number > 0, got -1."),
+        ((GRID, np.nan, WAVELENGTH), "'distance' must be a finite number > 0, got nan."),
+        ((GRID, 1.0, np.inf), "'wavelength' must be a finite number > 0, got inf."),
+        ((GRID, 1.0, 0), "'wavelength' must be a finite number > 0, got 0."),
+        (
+            (GRID, 1.0, WAVELENGTH, "row"),
+            "'method' must be one of 'auto', 'reference', 'quads', 'rows', got 'row'. Did you mean 'rows'?",
+        ),
+        ((GRID, 1.0, WAVELENGTH, "rows", 0), "'size' must be an integer >= 1, got 0."),
+        ((Grid((0, 8), (1.0, 1.0)), 1.0, WAVELENGTH), "'grid rows' must be an integer >= 1, got 0."),
+        (
+            (Grid((8, 8), (1.0, 0.0)), 1.0, WAVELENGTH),
+            "'grid spacing of the columns' must be a finite number > 0, got 0.",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(arguments, message):
+    with refused(message):
+        near_field(ROUND, *arguments)
+
+
+def test_fresnel_integrals_refuse_what_is_no_number():
+    with refused("'x' must hold numbers, got 2 that are NaN."):
+        fresnel_integrals([0.0, np.nan, 1.0, np.nan])
