@@ -176,9 +176,10 @@ def rows_near(aperture: Aperture, grid: Grid, distance: float, wavelength: float
     half = (size + 1) // 2
     edges = np.append(0.0, (np.arange(1, half + 1) - 0.5 * (size % 2)) * (aperture.width / size))
     first, last = np.zeros(half, dtype=np.int64), np.arange(1, half + 1)
-    tables_y, tables_x = (
-        _factors(edges, first, last, places, scale_of(distance, wavelength)) for places in _computed(grid)
-    )
+    places_y, places_x = _computed(grid)
+    tables_y = tables_x = _factors(edges, first, last, places_y, scale_of(distance, wavelength))
+    if not np.array_equal(places_y, places_x):
+        tables_x = _factors(edges, first, last, places_x, scale_of(distance, wavelength))
     parts: list[Part] = []
     for each in factor(aperture.mask):
         y, x = each.odd
