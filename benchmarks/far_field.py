@@ -62,7 +62,7 @@ def fft_power(mask: np.ndarray) -> np.ndarray:
 
 
 def medians(shape: Aperture, size: int, finer: int, runs: int) -> dict[str, float]:
-    """Time all methods in turn."""
+    """Time all methods in turn, each run beginning with another one, since each leaves its memory behind."""
     grid = Grid((size, size), (1 / finer, 1 / finer))
     mask = np.asarray(shape.mask)
     tasks: dict[str, Callable[[], object]] = {}
@@ -76,8 +76,10 @@ def medians(shape: Aperture, size: int, finer: int, runs: int) -> dict[str, floa
         tasks[f"field {method}"] = lambda method=method: diffraction.far_field(shape, grid, method)
     taken: dict[str, list[float]] = {name: [] for name in tasks}
     for run in range(runs + 1):
-        for name, task in tasks.items():
-            spent = milliseconds(task)
+        names = list(tasks)
+        first = 5 * run % len(names)
+        for name in names[first:] + names[:first]:
+            spent = milliseconds(tasks[name])
             if run:  # the first compiles and builds the tables
                 taken[name].append(spent)
     return {name: statistics.median(spent) for name, spent in taken.items()}
