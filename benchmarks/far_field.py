@@ -32,6 +32,7 @@ from aureole.bench import peer_scipy, shapes
 from aureole.diffraction import _kernels_fft
 
 METHODS = ("rows", "quads", "chirpz", "fft")
+SEED = 5
 
 
 def error(shape: Aperture, spacing: float) -> float:
@@ -62,7 +63,7 @@ def fft_power(mask: np.ndarray) -> np.ndarray:
 
 
 def medians(shape: Aperture, size: int, finer: int, runs: int) -> dict[str, float]:
-    """Time all methods in turn, each run beginning with another one, since each leaves its memory behind."""
+    """Time all methods in turn, in another order each run, since each leaves its memory behind."""
     grid = Grid((size, size), (1 / finer, 1 / finer))
     mask = np.asarray(shape.mask)
     tasks: dict[str, Callable[[], object]] = {}
@@ -75,10 +76,9 @@ def medians(shape: Aperture, size: int, finer: int, runs: int) -> dict[str, floa
         tasks[f"power {method}"] = lambda method=method: diffraction.far_power(shape, grid, method)
         tasks[f"field {method}"] = lambda method=method: diffraction.far_field(shape, grid, method)
     taken: dict[str, list[float]] = {name: [] for name in tasks}
+    order = np.random.default_rng(SEED)
     for run in range(runs + 1):
-        names = list(tasks)
-        first = 5 * run % len(names)
-        for name in names[first:] + names[:first]:
+        for name in order.permutation(list(tasks)):
             spent = milliseconds(tasks[name])
             if run:  # the first compiles and builds the tables
                 taken[name].append(spent)
@@ -94,7 +94,7 @@ def main() -> None:
     print(
         f"{platform.platform()}, {os.cpu_count()} processors, Python {platform.python_version()}, NumPy "
         f"{np.__version__}, SciPy {scipy.__version__}, Aureole {importlib.metadata.version('aureole')}\n"
-        f"{given.size}² pixels and frequencies, {given.runs} runs, medians in ms\n"
+        f"{given.size}² pixels and frequencies, {given.runs} runs, medians in ms, seed {SEED}\n"
     )
     kinds = ("power", "field")
     names = ["NumPy", "FFT"] + [f"{kind} {method}" for kind in kinds for method in ("auto", *METHODS)]
