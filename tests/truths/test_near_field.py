@@ -116,6 +116,21 @@ def test_far_limit(method, number):
 
 
 @EVERY
+@pytest.mark.parametrize("number", [1e-10, 1e-20])
+def test_far_away_the_opening_counts_as_a_point(method, number):
+    """|D| → ∬ f / (λz), a fraction of N_F or its root aside; "reference" keeps its digits at any distance."""
+    shape, distance = aperture.from_mask(mask(), D), at(number)
+    aside = math.sqrt(WAVELENGTH * distance)
+    found = field(shape, Grid((1, 1), (D, D), (aside, -aside)), distance, method)[0, 0]
+    wanted = np.sum(shape.mask, dtype=float) * (D / 40) ** 2 / (WAVELENGTH * distance)
+    assert np.isfinite(found)
+    if method == "reference":
+        assert abs(found) / wanted == pytest.approx(1, rel=1e-9 + 4 * number)
+    elif number >= 1e-10:
+        assert abs(found) / wanted == pytest.approx(1, rel=FLOAT32 + 4 * number)
+
+
+@EVERY
 def test_babinet(method):
     """Two masks that fill a window together have fields that add up to the window's."""
     values = np.round(mask(33), 2)
