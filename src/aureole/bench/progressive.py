@@ -36,7 +36,8 @@ COLUMNS = (
 )
 NOTES = (
     "A circular shadow of so many pixels radius moves 5 pixels a frame across the middle; the paper does not "
-    "print its radius. quads: of each frame's own tree; updated: positive and negative ones of the change. "
+    "print its radius. quads: of each frame's own tree; updated: positive and negative ones of the change; "
+    "both merged across the tree's levels. "
     "update, fresh, rfft2 (SciPy's): median ms to the power of the full plane.",
     "Printed in section 5.1: quads fall to roughly 10-20 %, the box excepted, and frames are about twice as "
     "fast (GeForce GTX 1080 Ti). error: of the last frame's field, of the peak.",
@@ -111,7 +112,7 @@ def follow(painted: list[Aperture]) -> dict[str, Any]:
         fresh.append(milliseconds(partial(diffraction.far_power, frame, grid)))
         rfft2.append(milliseconds(partial(real_power, _mask(frame))))
         if index % COUNTED == 0:
-            whole.append(len(diffraction.quadtree(_mask(frame), 1.0)))
+            whole.append(len(diffraction.quadtree(_mask(frame), 1.0, merge=True)))
             changed.append(sum(progressive.evaluated))
     found = progressive.update(painted[-1]).amplitude
     truth = diffraction.far_field(painted[-1], grid).amplitude
