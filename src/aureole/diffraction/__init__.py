@@ -14,7 +14,8 @@ polygons    the far field of exact outlines, straight edges, arcs and circles
 progressive the far field of an aperture that changes, from the change alone
 autocorrelation  an opening laid over itself, shifted: pixel integrals at one wavelength
 fresnel     the Fresnel integrals, from tables
-near        near_field: Fresnel diffraction on a plane at any distance
+near        near_field: Fresnel diffraction on a plane at any distance, its methods, and the chooser
+near_pixels its methods for masks: products of tables of Fresnel integrals
 measures    transfer functions, Strehl ratio, encircled energy and cut-off of a pupil
 coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals

@@ -29,10 +29,17 @@ ENTRIES_APART = 16
 
 
 @dataclass(frozen=True, eq=False)
-class _Axis:
+class Axis:
     """The distinct intervals along one axis, those at c and −c as one.
 
-    centres, sizes and signs have one value a quad; which says which interval each quad has.
+    Parameters
+    ----------
+    centres, sizes : ndarray of float64, shape (K,)
+        Distances of the middles from zero, and lengths.
+    which : ndarray of int64, shape (N,)
+        Which interval each quad has.
+    signs : ndarray of float32, shape (N,)
+        On which side of zero it lies.
     """
 
     centres: NDArray[np.float64]
@@ -113,7 +120,7 @@ def _transforms(
 ) -> tuple[NDArray[np.float32], NDArray[np.bool_], np.float32, tuple[int, int]]:
     """Transform the four parities, in units of a width, as `_kernels_rows.unfold` takes them."""
     width = float(np.abs(quads.rectangles).max(initial=0)) or 1.0
-    axes = [_intervals(quads.rectangles[:, k::2] / width) for k in (1, 0)]
+    axes = [intervals_of(quads.rectangles[:, k::2] / width) for k in (1, 0)]
     factors = [
         _factors(axis, count, float(spacing * width), float(centre * width))
         for axis, count, spacing, centre in zip(axes, grid.shape, grid.spacing, grid.centre, strict=True)
@@ -122,9 +129,9 @@ def _transforms(
     present = np.zeros(4, dtype=np.bool_)
     pairs = []
     for part in range(4):
-        weights = _weights(quads, axes, part)
+        weights = parity_weights(quads, axes, part)
         if weights is not None:
-            left, right = _sides(weights, factors[0][part >> 1], factors[1][part & 1])
+            left, right = thin_sides(weights, factors[0][part >> 1], factors[1][part & 1])
             pairs.append((left.T, right, products[part]))
             present[part] = True
     multiply(pairs)
@@ -132,17 +139,28 @@ def _transforms(
     return products, present, np.float32(width**2), (zero[0], zero[1])
 
 
-def _intervals(ends: NDArray[np.float64]) -> _Axis:
-    """Number the distinct intervals along an axis, ends given between −1 and 1."""
+def intervals_of(ends: NDArray[np.float64]) -> Axis:
+    """Number the distinct intervals along an axis.
+
+    Parameters
+    ----------
+    ends : ndarray of float64, shape (N, 2)
+        Between −1 and 1.
+
+    Returns
+    -------
+    Axis
+        Equal intervals as one.
+    """
     centres, sizes = ends.mean(axis=1), ends[:, 1] - ends[:, 0]
     places = np.rint(np.abs(centres) / ALIKE).astype(np.int64)
     keys = (places << 32) + np.rint(sizes / ALIKE).astype(np.int64) // 2
     _, first, which = np.unique(keys, return_index=True, return_inverse=True)
     signs = np.sign(centres).astype(np.float32)
-    return _Axis(np.abs(centres[first]), sizes[first], which.ravel(), signs)
+    return Axis(np.abs(centres[first]), sizes[first], which.ravel(), signs)
 
 
-def _factors(axis: _Axis, count: int, spacing: float, centre: float) -> NDArray[np.float32]:
+def _factors(axis: Axis, count: int, spacing: float, centre: float) -> NDArray[np.float32]:
     """Return the even and the odd factor of each interval, s sinc(us) cos(2πuc) and the sine.
 
     Shape (2, K, M): M the frequencies, those from zero upwards where the grid is centred on zero.
@@ -161,8 +179,23 @@ def _factors(axis: _Axis, count: int, spacing: float, centre: float) -> NDArray[
     return out
 
 
-def _weights(quads: Quads, axes: list[_Axis], part: int) -> sparse.csr_array | None:
-    """Return a parity's weight for each pair of intervals (y, x), or None where all cancel."""
+def parity_weights(quads: Quads, axes: list[Axis], part: int) -> sparse.csr_array | None:
+    """Return a parity's weight for each pair of intervals (y, x).
+
+    Parameters
+    ----------
+    quads : Quads
+        N signed rectangles.
+    axes : list of Axis
+        Their intervals along y and along x.
+    part : int
+        0 even, 1 odd along x, 2 odd along y, 3 odd along both.
+
+    Returns
+    -------
+    csr_array of float32, or None
+        None where all cancel.
+    """
     y, x = axes
     weights = quads.weights.copy()
     for odd, axis in ((part >> 1, y), (part & 1, x)):
@@ -175,12 +208,24 @@ def _weights(quads: Quads, axes: list[_Axis], part: int) -> sparse.csr_array | N
     return summed.astype(np.float32) if summed.nnz else None
 
 
-def _sides(
+def thin_sides(
     weights: sparse.csr_array, factors_y: NDArray[np.float32], factors_x: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return two thin matrices (R, P) and (R, Q) whose product is the sum over all quads.
+    """Return two thin matrices whose product is the sum over all quads.
 
     Summing along the axis with more intervals first keeps R small.
+
+    Parameters
+    ----------
+    weights : csr_array of float32
+        From `parity_weights`.
+    factors_y, factors_x : ndarray of float32, shapes (K, P) and (L, Q)
+        What each interval does at each place.
+
+    Returns
+    -------
+    along_y, along_x : ndarray of float32, shapes (R, P) and (R, Q)
+        Their product over R is the sum.
     """
     rows = np.flatnonzero(np.diff(weights.indptr))
     columns = np.unique(weights.indices)
