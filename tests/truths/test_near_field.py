@@ -13,7 +13,7 @@ from aureole.diffraction.near import METHODS
 
 WAVELENGTH = 550e-9
 D = 2e-3  # metres, of every opening here
-EVERY = pytest.mark.parametrize("method", list(METHODS))
+OF_PIXELS = pytest.mark.parametrize("method", [name for name in METHODS if name != "polygons"])
 FLOAT32 = 2e-6
 
 
@@ -37,24 +37,33 @@ def between(low, high, places, distance):
     return c1 - c0 + 1j * (s1 - s0)
 
 
+def square(width):
+    """A raster of one pixel: an opening as large as one likes, for every method of pixels."""
+    return aperture.from_mask(np.ones((1, 1)), width)
+
+
+def pixels(shape, size=64):
+    return aperture.from_mask(aperture.rasterize(shape, size), shape.width)
+
+
 def mask(size=40, seed=1):
     return np.random.default_rng(seed).random((size, size))
 
 
 @pytest.mark.parametrize("number", [0.01, 7.0, 300.0])
 @pytest.mark.parametrize("centre", [(0.0, 0.0), (0.3e-3, -1.1e-3), (5e-3, 0.0)])
-@EVERY
+@OF_PIXELS
 def test_rectangle(method, centre, number):
     """D = −i/2 (E(y₁) − E(y₀)) (E(x₁) − E(x₀)), E = C + iS (Goodman, Introduction to Fourier Optics)."""
     grid, distance = plane((30, 33), 2 * D, centre), at(number)
     y, x = grid.axes()
     along_y, along_x = between(-D / 4, D / 4, y, distance), between(-D / 2, D / 2, x, distance)
     wanted = -0.5j * along_y[:, None] * along_x
-    found = field(aperture.rectangle(D, D / 2), grid, distance, method)
+    found = field(pixels(aperture.rectangle(D, D / 2)), grid, distance, method)
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-6)
 
 
-@EVERY
+@OF_PIXELS
 def test_the_integral_itself(method):
     """Brute force: 40 Gauss-Legendre nodes a pixel and axis, for grey pixels."""
     values, distance = mask(5), at(4.0)
@@ -73,13 +82,13 @@ def test_the_integral_itself(method):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=FLOAT32)
 
 
-@EVERY
+@OF_PIXELS
 def test_half_plane(method):
     """Intensity 1/4 at the edge, and the maxima and minima of Cornu's spiral beside it."""
     wide, distance = 1000.0, 0.5
     unit = math.sqrt(WAVELENGTH * distance / 2)
     grid = Grid((1, 801), (unit, unit * 0.005), (0.0, wide / 2 - 2 * unit))
-    power = np.abs(field(aperture.rectangle(wide, wide), grid, distance, method, 1)[0]) ** 2
+    power = np.abs(field(square(wide), grid, distance, method)[0]) ** 2
     inside = (wide / 2 - grid.axes()[1]) / unit
     assert np.interp(0.0, inside[::-1], power[::-1]) == pytest.approx(0.25, abs=1e-4)
     most = int(np.argmax(power))
@@ -91,14 +100,14 @@ def test_half_plane(method):
     assert power[least] == pytest.approx(0.778, abs=1e-3)
 
 
-@EVERY
+@OF_PIXELS
 @pytest.mark.parametrize("distance", [1e-3, 1.0, 1e3])
 def test_where_nothing_blocks_the_wave(method, distance):
-    found = field(aperture.rectangle(1e6, 1e6), plane((6, 7), 1.0), distance, method, 2)
+    found = field(square(1e6), plane((6, 7), 1.0), distance, method)
     np.testing.assert_allclose(found, 1.0, rtol=0, atol=5e-6)
 
 
-@EVERY
+@OF_PIXELS
 @pytest.mark.parametrize("number", [1e-6, 1e-7])
 def test_far_limit(method, number):
     """D → exp(iπ|x'|²/(λz)) F(x'/(λz)) / (iλz)."""
@@ -115,7 +124,7 @@ def test_far_limit(method, number):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=(FLOAT32 + 4 * number) * np.abs(wanted).max())
 
 
-@EVERY
+@OF_PIXELS
 @pytest.mark.parametrize("number", [1e-10, 1e-20])
 def test_far_away_the_opening_counts_as_a_point(method, number):
     """|D| → ∬ f / (λz), a fraction of N_F or its root aside; "reference" keeps its digits at any distance."""
@@ -130,7 +139,7 @@ def test_far_away_the_opening_counts_as_a_point(method, number):
         assert abs(found) / wanted == pytest.approx(1, rel=FLOAT32 + 4 * number)
 
 
-@EVERY
+@OF_PIXELS
 def test_babinet(method):
     """Two masks that fill a window together have fields that add up to the window's."""
     values = np.round(mask(33), 2)
@@ -143,16 +152,16 @@ def test_babinet(method):
     assert np.abs(one).max() > 0.3
 
 
-@EVERY
+@OF_PIXELS
 def test_an_opaque_square_leaves_what_the_wave_without_it_had(method):
     """Babinet with the whole wave: 1 minus the field of an opening of the same shape."""
     blocked = np.ones((301, 301))
     blocked[150, 150] = 0
     side = 301 * 0.2e-3
     grid, distance = plane((9, 9), 0.5e-3), 1e-3
-    opening = field(aperture.rectangle(0.2e-3, 0.2e-3), grid, distance, method, 1)
+    opening = field(square(0.2e-3), grid, distance, method)
     screen = field(aperture.from_mask(blocked, side), grid, distance, method)
-    window = field(aperture.rectangle(side, side), grid, distance, method, 1)
+    window = field(square(side), grid, distance, method)
     np.testing.assert_allclose(screen + opening, window, rtol=0, atol=2 * FLOAT32)
     np.testing.assert_allclose(window, 1, atol=1e-3)
 
@@ -174,7 +183,7 @@ def test_energy_through_a_large_plane_is_the_area(number):
     assert losses[0] < 0.02
 
 
-@EVERY
+@OF_PIXELS
 def test_an_opening_that_moves_takes_its_field_along(method):
     values = np.zeros((32, 32))
     values[4:14, 6:13] = mask(20)[:10, :7]
@@ -189,7 +198,7 @@ def test_an_opening_that_moves_takes_its_field_along(method):
     np.testing.assert_allclose(one, other, rtol=0, atol=FLOAT32)
 
 
-@EVERY
+@OF_PIXELS
 def test_mirror_images(method):
     values, distance = mask(21), at(12.0)
     grid = plane((15, 17), 1.3 * D)
@@ -203,7 +212,7 @@ def test_mirror_images(method):
     np.testing.assert_allclose(one, other.T, rtol=0, atol=FLOAT32)
 
 
-@EVERY
+@OF_PIXELS
 def test_similarity(method):
     """Lengths across k times, distance k² times: the same picture."""
     values = mask(16)
@@ -216,7 +225,7 @@ def test_close_behind_is_the_shadow():
     """At a Fresnel number of 10⁸ light goes straight on."""
     values = np.round(mask(8))
     grid = Grid((8, 8), (D / 8, D / 8), (D / 16, D / 16))
-    for method in METHODS:
+    for method in ("reference", "quads", "rows"):
         found = field(aperture.from_mask(values, D), grid, at(1e8), method)
         np.testing.assert_allclose(found, values, atol=2e-3)
 

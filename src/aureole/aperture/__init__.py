@@ -15,6 +15,7 @@ geometry   arcs, chords, areas and moments of outlines, for the rooms above
 from aureole.aperture.compose import dimmed, intersection, moved, rotated, scaled, subtraction, union
 from aureole.aperture.dust import dust, scratches
 from aureole.aperture.geometry import (
+    GAUSS_NODES,
     Circle,
     arc_of,
     area,
@@ -40,6 +41,7 @@ from aureole.aperture.wavefront import (
 from aureole.aperture.zernike import ZERNIKE_NAMES, zernike, zernike_pair
 
 __all__ = [
+    "GAUSS_NODES",
     "ZERNIKE_NAMES",
     "Circle",
     "arc_of",

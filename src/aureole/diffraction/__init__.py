@@ -16,6 +16,7 @@ autocorrelation  an opening laid over itself, shifted: pixel integrals at one wa
 fresnel     the Fresnel integrals, from tables
 near        near_field: Fresnel diffraction on a plane at any distance, its methods, and the chooser
 near_pixels its methods for masks: products of tables of Fresnel integrals
+near_outlines  its methods for exact outlines: integrals along their boundary
 measures    transfer functions, Strehl ratio, encircled energy and cut-off of a pupil
 coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals

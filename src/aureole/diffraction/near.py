@@ -13,11 +13,14 @@ from numpy.typing import NDArray
 from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction.far import RASTER_SIZE, check_grid
+from aureole.diffraction.near_outlines import reference_outlines
 from aureole.diffraction.near_pixels import quads_near, reference_near, rows_near
 from aureole.records import Aperture, Field, Grid
 
 METHODS: dict[str, Callable[..., NDArray[Any]]] = {
-    "reference": reference_near,
+    "reference": lambda aperture, *rest: (reference_outlines if aperture.mask is None else reference_near)(
+        aperture, *rest
+    ),
     "quads": quads_near,
     "rows": rows_near,
 }
@@ -36,8 +39,8 @@ def near_field(
     Parameters
     ----------
     aperture : Aperture
-        A raster, or outlines, which are rasterized: pixels of a coverage raster are near the exact
-        outline, and not the same.
+        A raster, or outlines, which all methods but "reference" rasterize: pixels of a coverage raster
+        are near the exact outline, and not the same.
     grid : Grid
         Places on the plane in metres; any spacing, any centre, odd and even sizes.
     distance : float
@@ -45,9 +48,9 @@ def near_field(
     wavelength : float
         Metres.
     method : str
-        "reference", direct sums in float64; "quads", over signed rectangles; "rows", over the mask's
-        distinct rows; "auto" takes "rows", and "reference" for an aperture with a wavefront, which the
-        others do not serve.
+        "reference", direct sums in float64, of outlines along their boundary; "quads", over signed
+        rectangles; "rows", over the mask's distinct rows; "auto" takes "rows", and "reference" for an
+        aperture with a wavefront, which the others do not serve.
     raster_size : int
         Pixels a side to which outlines are rasterized.
 
@@ -73,7 +76,7 @@ def near_field(
                 "use 'reference'."
             )
         name = "reference"
-    elif aperture.mask is None:
+    elif aperture.mask is None and name != "reference":
         mask = apertures.rasterize(aperture, raster_size)
         aperture = Aperture(aperture.width, mask=mask, name=aperture.name)
     name = "rows" if name == "auto" else name
