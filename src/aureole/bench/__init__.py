@@ -16,6 +16,8 @@ starbursts          a whole starburst in colour
 peer_ways           which peers are installed, and their ways
 peer_*              one file a library
 optics            the far-field problem as a peer takes it
+convolved         the discrete near field by FFT, in a frame of zeros
+fractional        the discrete fractional Fourier transform, and the near field by it
 shapes            the quad paper's four apertures
 timing            runs in turn, medians, the environment
 report            tables and reports
