@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aureole import Grid, aperture, refuse
-from aureole.diffraction import near_field
+from aureole.diffraction import NearOperator, level_mask, near_field, near_power
 from aureole.diffraction.fresnel import fresnel_integrals
 from aureole.diffraction.near import METHODS
 from aureole.records import Aperture
@@ -95,6 +95,45 @@ def test_outlines_are_rasterized(method):
     np.testing.assert_allclose(found, wanted, rtol=0, atol=ABSOLUTE)
 
 
+@pytest.mark.parametrize("method", [*OF_PIXELS, "auto"])
+@pytest.mark.parametrize("centre", CENTRES)
+def test_power_is_the_square_of_the_field(method, centre):
+    for kind in ("whirl", "grey"):
+        shape = aperture.from_mask(SHAPES[kind], WIDTH)
+        for size in SIZES:
+            grid = Grid(size, (WIDTH / 11, WIDTH / 17), centre)
+            amplitude = near_field(shape, grid, 0.2, WAVELENGTH, method).amplitude
+            power = near_power(shape, grid, 0.2, WAVELENGTH, method)
+            assert power.dtype == (np.float64 if method == "reference" else np.float32)
+            np.testing.assert_allclose(power, np.abs(amplitude) ** 2, rtol=0, atol=ABSOLUTE)
+
+
+@pytest.mark.parametrize("method", OF_PIXELS)
+def test_one_operator_serves_many_distances_and_wavelengths(method):
+    shape = aperture.from_mask(SHAPES["whirl"], WIDTH)
+    grid = Grid((12, 13), (WIDTH / 9, WIDTH / 9))
+    operator = NearOperator(shape, grid, method)
+    for distance, wavelength in ((0.1, 450e-9), (0.1, 650e-9), (2.0, 550e-9)):
+        wanted = near_field(shape, grid, distance, wavelength, method).amplitude
+        np.testing.assert_array_equal(operator.field(distance, wavelength).amplitude, wanted)
+        power = near_power(shape, grid, distance, wavelength, method)
+        np.testing.assert_array_equal(operator.power(distance, wavelength), power)
+
+
+@pytest.mark.parametrize("method", [*FAST, "auto"])
+@pytest.mark.parametrize("finest", ["half", "quarter", "eighth"])
+def test_a_coarser_level_is_the_field_of_the_averaged_mask(method, finest):
+    mask = np.random.default_rng(4).random((48, 48))
+    grid = Grid((12, 13), (WIDTH / 9, WIDTH / 9))
+    coarse = aperture.from_mask(level_mask(mask, finest), WIDTH)
+    wanted = near_field(coarse, grid, 0.1, WAVELENGTH, "reference").amplitude
+    shape = aperture.from_mask(mask, WIDTH)
+    found = near_field(shape, grid, 0.1, WAVELENGTH, method, finest=finest).amplitude
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=ABSOLUTE)
+    power = near_power(shape, grid, 0.1, WAVELENGTH, method, finest=finest)
+    np.testing.assert_allclose(power, np.abs(wanted) ** 2, rtol=0, atol=ABSOLUTE)
+
+
 @pytest.mark.parametrize("method", OF_PIXELS)
 def test_a_dark_mask_has_no_field(method):
     dark = Aperture(1.0, mask=np.zeros((4, 4), dtype=np.float32))
@@ -162,6 +201,23 @@ ROUND = aperture.circle(WIDTH)
 def test_what_does_not_fit_is_refused(arguments, message):
     with refused(message):
         near_field(ROUND, *arguments)
+
+
+def test_levels_that_do_not_fit_are_refused():
+    with refused(
+        "method 'reference' sees an aperture as it is and takes no 'finest'; use 'rows' or 'quads'."
+    ):
+        near_field(ROUND, GRID, 1.0, WAVELENGTH, "reference", finest="half")
+    with refused(
+        "'finest' must be one of 'full', 'half', 'quarter', 'eighth', got 'tenth'. Did you mean 'eighth'?"
+    ):
+        near_power(ROUND, GRID, 1.0, WAVELENGTH, finest="tenth")
+    bent = Aperture(WIDTH, mask=np.ones((8, 8), np.float32), wavefront=np.zeros((8, 8), np.float32))
+    with refused("'finest' must be 'full' for an aperture with a wavefront, got 'half'."):
+        near_field(bent, GRID, 1.0, WAVELENGTH, finest="half")
+    for level in (-0.5, 1.0, 2):
+        with refused(f"'cull' must be a level above 0 and below 1 of the peak, got {level:g}."):
+            near_power(ROUND, GRID, 1.0, WAVELENGTH, cull=level)
 
 
 def test_fresnel_integrals_refuse_what_is_no_number():

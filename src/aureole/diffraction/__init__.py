@@ -14,7 +14,7 @@ polygons    the far field of exact outlines, straight edges, arcs and circles
 progressive the far field of an aperture that changes, from the change alone
 autocorrelation  an opening laid over itself, shifted: pixel integrals at one wavelength
 fresnel     the Fresnel integrals, from tables
-near        near_field: Fresnel diffraction on a plane at any distance, its methods, and the chooser
+near        near_field, near_power and NearOperator: Fresnel diffraction at any distance, and the chooser
 near_pixels its methods for masks: products of tables of Fresnel integrals
 near_outlines  its methods for exact outlines: integrals along their boundary
 measures    transfer functions, Strehl ratio, encircled energy and cut-off of a pupil
@@ -24,7 +24,7 @@ starburst   a whole starburst over all wavelengths, point samples or pixel integ
 
 from aureole.diffraction.far import METHODS, check_grid, far_field, far_power
 from aureole.diffraction.measures import cutoff_frequency, encircled_energy, mtf, optical_transfer, strehl
-from aureole.diffraction.near import near_field
+from aureole.diffraction.near import NearOperator, near_field, near_power
 from aureole.diffraction.progressive import ProgressiveFarField
 from aureole.diffraction.quadtree import FINEST, Quads, difference_quads, level_mask, paint, quadtree
 from aureole.diffraction.starburst import starburst, starburst_stages
@@ -32,6 +32,7 @@ from aureole.diffraction.starburst import starburst, starburst_stages
 __all__ = [
     "FINEST",
     "METHODS",
+    "NearOperator",
     "ProgressiveFarField",
     "Quads",
     "check_grid",
@@ -43,6 +44,7 @@ __all__ = [
     "level_mask",
     "mtf",
     "near_field",
+    "near_power",
     "optical_transfer",
     "paint",
     "quadtree",

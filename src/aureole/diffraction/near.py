@@ -1,29 +1,163 @@
 """The near field of an aperture: Fresnel diffraction on a plane at any distance, with any sampling.
 
 `near_field` returns D(x', y') = 1 / (iλz) ∬ f(x, y) exp(iπ((x − x')² + (y − y')²) / (λz)) dx dy, so that
-|D|² is 1 where nothing blocks the wave; the phase exp(ikz) is left out. Nothing is sampled in the
-opening: there is no aliasing, whatever the distance.
+|D|² is 1 where nothing blocks the wave; the phase exp(ikz) is left out. `near_power` returns |D|².
+Nothing is sampled in the opening: there is no aliasing, whatever the distance.
 """
 
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import refuse
+from aureole.diffraction.culling import check_level
 from aureole.diffraction.far import RASTER_SIZE, check_grid
 from aureole.diffraction.near_outlines import reference_outlines
 from aureole.diffraction.near_pixels import quads_near, reference_near, rows_near
+from aureole.diffraction.quadtree import FINEST, level_mask, quadtree
+from aureole.diffraction.rows import factor
 from aureole.records import Aperture, Field, Grid
 
-METHODS: dict[str, Callable[..., NDArray[Any]]] = {
-    "reference": lambda aperture, *rest: (reference_outlines if aperture.mask is None else reference_near)(
-        aperture, *rest
-    ),
+Method = Callable[..., NDArray[Any]]
+
+
+def _reference(aperture: Aperture, *rest: Any) -> NDArray[Any]:
+    return (reference_outlines if aperture.mask is None else reference_near)(aperture, *rest)
+
+
+METHODS: dict[str, Method] = {
+    "reference": _reference,
     "quads": quads_near,
     "rows": rows_near,
 }
+OF_PIXELS = ("quads", "rows")
+OF_WAVEFRONTS = ("reference",)
+# What a method finds in an aperture, whatever the distance and the wavelength.
+PREPARATIONS: dict[str, Callable[[Aperture, Grid], dict[str, Any]]] = {
+    "quads": lambda aperture, grid: {"quads": quadtree(_mask_of(aperture), aperture.width)},
+    "rows": lambda aperture, grid: {"factors": factor(_mask_of(aperture))},
+}
+
+
+class NearOperator:
+    """One aperture on one plane's grid, for many distances and wavelengths.
+
+    What does not depend on these is found once: pixels of outlines, their coarser level, distinct rows
+    or rectangles.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster, or outlines.
+    grid : Grid
+        Places on the plane in metres; any spacing, any centre, odd and even sizes.
+    method : str
+        As for `near_field`.
+    raster_size : int
+        As for `near_field`.
+    finest : str
+        As for `near_field`.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the grid, the method or the level does not fit.
+    """
+
+    def __init__(
+        self,
+        aperture: Aperture,
+        grid: Grid,
+        method: str = "auto",
+        raster_size: int = RASTER_SIZE,
+        finest: str = "full",
+    ) -> None:
+        check_grid(grid)
+        name = refuse.one_of("method", method, ("auto", *METHODS))
+        refuse.one_of("finest", finest, FINEST)
+        if aperture.wavefront is not None:
+            self._check_wavefront(name, finest)
+            name = "reference" if name == "auto" else name
+        if finest != "full" and name not in ("auto", *OF_PIXELS):
+            raise refuse.Refusal(
+                f"method '{name}' sees an aperture as it is and takes no 'finest'; use 'rows' or 'quads'."
+            )
+        self.grid, self.method = grid, "rows" if name == "auto" else name
+        self.aperture = _seen(aperture, raster_size, finest) if self.method in OF_PIXELS else aperture
+        prepare = PREPARATIONS.get(self.method)
+        self._prepared = {} if prepare is None else prepare(self.aperture, grid)
+
+    def field(self, distance: float, wavelength: float) -> Field:
+        """Return the amplitude on the plane.
+
+        Parameters
+        ----------
+        distance, wavelength : float
+            Metres.
+
+        Returns
+        -------
+        Field
+            D, without unit; complex64, complex128 from "reference".
+
+        Raises
+        ------
+        refuse.Refusal
+            Where a number is not above zero, or the wavefront is too steep for the wavelength.
+        """
+        self._check(distance, wavelength)
+        method = METHODS[self.method]
+        return Field(method(self.aperture, self.grid, distance, wavelength, **self._prepared), self.grid)
+
+    def power(self, distance: float, wavelength: float, cull: float | None = None) -> NDArray[Any]:
+        """Return |D|² on the plane.
+
+        Parameters
+        ----------
+        distance, wavelength : float
+            Metres.
+        cull : float, optional
+            As for `near_power`.
+
+        Returns
+        -------
+        ndarray of float32, shape (rows, columns)
+            Without unit; float64 from "reference".
+
+        Raises
+        ------
+        refuse.Refusal
+            Where a number is not above zero, or the wavefront is too steep for the wavelength.
+        """
+        if cull:
+            check_level(cull)
+        amplitude = self.field(distance, wavelength).amplitude
+        if amplitude.dtype == np.complex128:
+            return np.asarray(amplitude.real**2 + amplitude.imag**2)
+        from aureole.diffraction import _kernels_rows  # compiled code: loaded when first used
+
+        out = np.empty(self.grid.shape, dtype=np.float32)
+        _kernels_rows.square_field(amplitude, out)
+        return out
+
+    def _check(self, distance: float, wavelength: float) -> None:
+        refuse.positive("distance", distance)
+        refuse.positive("wavelength", wavelength)
+        if self.aperture.wavefront is not None:
+            apertures.check_wavefront(self.aperture, wavelength)
+
+    @staticmethod
+    def _check_wavefront(name: str, finest: str) -> None:
+        if name not in ("auto", *OF_WAVEFRONTS):
+            raise refuse.Refusal(
+                f"method '{name}' takes real transmittances and this aperture has a wavefront; "
+                "use 'reference'."
+            )
+        if finest != "full":
+            raise refuse.Refusal(f"'finest' must be 'full' for an aperture with a wavefront, got '{finest}'.")
 
 
 def near_field(
@@ -33,6 +167,7 @@ def near_field(
     wavelength: float,
     method: str = "auto",
     raster_size: int = RASTER_SIZE,
+    finest: str = "full",
 ) -> Field:
     """Return the amplitude behind an aperture lit by a plane wave of amplitude 1 (Fresnel).
 
@@ -53,6 +188,9 @@ def near_field(
         aperture with a wavefront, which the others do not serve.
     raster_size : int
         Pixels a side to which outlines are rasterized.
+    finest : str
+        "full", or "half", "quarter" or "eighth" to see the mask averaged over squares of 2, 4 or 8
+        pixels (quad paper Figure 6), for methods of pixels.
 
     Returns
     -------
@@ -62,22 +200,69 @@ def near_field(
     Raises
     ------
     refuse.Refusal
-        Where the grid, the distance, the wavelength or the method does not fit.
+        Where the grid, the distance, the wavelength, the method or the level does not fit.
     """
-    check_grid(grid)
     refuse.positive("distance", distance)
     refuse.positive("wavelength", wavelength)
-    name = refuse.one_of("method", method, ("auto", *METHODS))
-    if aperture.wavefront is not None:
-        apertures.check_wavefront(aperture, wavelength)
-        if name not in ("auto", "reference"):
-            raise refuse.Refusal(
-                f"method '{name}' takes real transmittances and this aperture has a wavefront; "
-                "use 'reference'."
-            )
-        name = "reference"
-    elif aperture.mask is None and name != "reference":
+    return NearOperator(aperture, grid, method, raster_size, finest).field(distance, wavelength)
+
+
+def near_power(
+    aperture: Aperture,
+    grid: Grid,
+    distance: float,
+    wavelength: float,
+    method: str = "auto",
+    raster_size: int = RASTER_SIZE,
+    finest: str = "full",
+    cull: float | None = None,
+) -> NDArray[Any]:
+    """Return |D|² behind an aperture lit by a plane wave of irradiance 1, D as of `near_field`.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster, or outlines.
+    grid : Grid
+        Places on the plane in metres; any spacing, any centre, odd and even sizes.
+    distance, wavelength : float
+        Metres.
+    method : str
+        As for `near_field`.
+    raster_size : int
+        As for `near_field`.
+    finest : str
+        As for `near_field`.
+    cull : float, optional
+        A level, of the irradiance where nothing blocks the wave: what lies below it may be left at zero
+        where that saves time. None or 0 leaves nothing out.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Without unit; float64 from "reference".
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the grid, the distance, the wavelength, the method or a level does not fit.
+    """
+    refuse.positive("distance", distance)
+    refuse.positive("wavelength", wavelength)
+    return NearOperator(aperture, grid, method, raster_size, finest).power(distance, wavelength, cull)
+
+
+def _seen(aperture: Aperture, raster_size: int, finest: str) -> Aperture:
+    """Return an aperture as pixels of the wanted level."""
+    if aperture.mask is None:
         mask = apertures.rasterize(aperture, raster_size)
         aperture = Aperture(aperture.width, mask=mask, name=aperture.name)
-    name = "rows" if name == "auto" else name
-    return Field(METHODS[name](aperture, grid, distance, wavelength), grid)
+    if finest == "full":
+        return aperture
+    level = level_mask(_mask_of(aperture), finest).astype(np.float32)
+    return Aperture(aperture.width, mask=level, name=aperture.name)
+
+
+def _mask_of(aperture: Aperture) -> NDArray[np.float32]:
+    assert aperture.mask is not None
+    return aperture.mask

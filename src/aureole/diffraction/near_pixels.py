@@ -15,8 +15,8 @@ from aureole import aperture as apertures
 from aureole.diffraction import _kernels_fresnel
 from aureole.diffraction.fresnel import taylor_table
 from aureole.diffraction.quads import ALIKE, Axis, intervals_of, parity_weights, thin_sides
-from aureole.diffraction.quadtree import quadtree
-from aureole.diffraction.rows import factor, multiply, sides
+from aureole.diffraction.quadtree import Quads, quadtree
+from aureole.diffraction.rows import Factor, factor, multiply, sides
 from aureole.records import Aperture, Grid
 
 # A scale above this differs in nothing that a float can show, and its products stay finite.
@@ -55,7 +55,9 @@ def reference_near(
     return np.asarray(-0.5j * (along_y @ mask.astype(np.complex128) @ along_x.T))
 
 
-def quads_near(aperture: Aperture, grid: Grid, distance: float, wavelength: float) -> NDArray[np.complex64]:
+def quads_near(
+    aperture: Aperture, grid: Grid, distance: float, wavelength: float, quads: Quads | None = None
+) -> NDArray[np.complex64]:
     """Return the near field of a mask's signed rectangles (quad paper Eq. 17-19).
 
     Parameters
@@ -66,6 +68,8 @@ def quads_near(aperture: Aperture, grid: Grid, distance: float, wavelength: floa
         Metres.
     distance, wavelength : float
         Metres.
+    quads : Quads, optional
+        The mask as `quadtree` breaks it.
 
     Returns
     -------
@@ -73,7 +77,7 @@ def quads_near(aperture: Aperture, grid: Grid, distance: float, wavelength: floa
         Without unit.
     """
     assert aperture.mask is not None
-    quads = quadtree(aperture.mask, aperture.width)
+    quads = quadtree(aperture.mask, aperture.width) if quads is None else quads
     axes = [intervals_of(quads.rectangles[:, k::2] / aperture.width) for k in (1, 0)]
     scale = scale_of(distance, wavelength) * aperture.width
     factors_y, factors_x = (
@@ -88,7 +92,13 @@ def quads_near(aperture: Aperture, grid: Grid, distance: float, wavelength: floa
     return _unfolded(parts, grid)
 
 
-def rows_near(aperture: Aperture, grid: Grid, distance: float, wavelength: float) -> NDArray[np.complex64]:
+def rows_near(
+    aperture: Aperture,
+    grid: Grid,
+    distance: float,
+    wavelength: float,
+    factors: list[Factor] | None = None,
+) -> NDArray[np.complex64]:
     """Return the near field of a mask from its distinct rows or columns.
 
     Parameters
@@ -99,6 +109,8 @@ def rows_near(aperture: Aperture, grid: Grid, distance: float, wavelength: float
         Metres; four times faster centred on the axis.
     distance, wavelength : float
         Metres.
+    factors : list of Factor, optional
+        What `rows.factor` found in the aperture's mask.
 
     Returns
     -------
@@ -115,7 +127,7 @@ def rows_near(aperture: Aperture, grid: Grid, distance: float, wavelength: float
     if not np.array_equal(places_y, places_x):
         tables_x = _factors(edges, first, last, places_x, scale_of(distance, wavelength))
     parts: list[Part] = []
-    for each in factor(aperture.mask):
+    for each in factor(aperture.mask) if factors is None else factors:
         y, x = each.odd
         parts.append((2 * y + x, *sides(each, tables_y[y], tables_x[x])))
     return _unfolded(parts, grid)
