@@ -15,6 +15,8 @@ progressive the far field of an aperture that changes, from the change alone
 autocorrelation  an opening laid over itself, shifted: pixel integrals at one wavelength
 fresnel     the Fresnel integrals, from tables
 near        near_field, near_power and NearOperator: Fresnel diffraction at any distance, and the chooser
+near        near_field: Fresnel diffraction on a plane at any distance, its methods, and the chooser
+near_circles the near field of circles, exact: a table near the axis, edge waves elsewhere
 near_pixels its methods for masks: products of tables of Fresnel integrals
 near_outlines  its methods for exact outlines: integrals along their boundary
 measures    transfer functions, Strehl ratio, encircled energy and cut-off of a pupil

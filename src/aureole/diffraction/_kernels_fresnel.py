@@ -22,7 +22,7 @@ FLAT = 1e9
 
 
 @numba.njit(cache=True)
-def _turned(turns: float) -> tuple[float, float]:
+def turned(turns: float) -> tuple[float, float]:
     """Return the cosine and the sine of an angle in turns, to 1e-15."""
     quarters = math.floor(4.0 * turns + 0.5)
     # Whole quarters are taken off exactly; what is left is within an eighth of a turn.
@@ -39,11 +39,8 @@ def _turned(turns: float) -> tuple[float, float]:
 
 
 @numba.njit(cache=True)
-def _integral(x: float, taylor: F64) -> complex:
-    """Return C(x) + i S(x)."""
-    size = abs(x)
-    if size >= FLAT:
-        return complex(math.copysign(0.5, x), math.copysign(0.5, x))
+def smooth_tail(size: float, taylor: F64) -> tuple[float, float]:
+    """Return the real and the imaginary part of w at a place >= 0."""
     if size < LAST:
         node = int(size * NODES + 0.5)
         step = size - node / NODES
@@ -52,13 +49,23 @@ def _integral(x: float, taylor: F64) -> complex:
         for k in range(4, -1, -1):
             real = real * step + row[k]
             imaginary = imaginary * step + row[6 + k]
-    else:
-        rate = 1.0 / (math.pi * size)
-        q = rate / size
-        q *= q
-        imaginary = rate * (1 - q * (3 - q * (105 - q * (10395 - q * 2027025))))
-        real = rate * rate / size * (1 - q * (15 - q * (945 - q * (135135 - q * 34459425))))
-    cosine, sine = _turned(0.25 * size * size)
+        return real, imaginary
+    rate = 1.0 / (math.pi * size)
+    q = rate / size
+    q *= q
+    imaginary = rate * (1 - q * (3 - q * (105 - q * (10395 - q * 2027025))))
+    real = rate * rate / size * (1 - q * (15 - q * (945 - q * (135135 - q * 34459425))))
+    return real, imaginary
+
+
+@numba.njit(cache=True)
+def _integral(x: float, taylor: F64) -> complex:
+    """Return C(x) + i S(x)."""
+    size = abs(x)
+    if size >= FLAT:
+        return complex(math.copysign(0.5, x), math.copysign(0.5, x))
+    real, imaginary = smooth_tail(size, taylor)
+    cosine, sine = turned(0.25 * size * size)
     c = 0.5 - (real * cosine - imaginary * sine)
     s = 0.5 - (real * sine + imaginary * cosine)
     return complex(math.copysign(c, x), math.copysign(s, x))
