@@ -14,7 +14,9 @@ polygons    the far field of exact outlines, straight edges, arcs and circles
 progressive the far field of an aperture that changes, from the change alone
 autocorrelation  an opening laid over itself, shifted: pixel integrals at one wavelength
 fresnel     the Fresnel integrals, from tables
+corner      the corner function: what the end of a straight edge does to a wave
 near        near_field, near_power and NearOperator: Fresnel diffraction at any distance, and the chooser
+corner      the corner function: what the end of a straight edge does to a wave
 near        near_field: Fresnel diffraction on a plane at any distance, its methods, and the chooser
 near_circles the near field of circles, exact: a table near the axis, edge waves elsewhere
 near_pixels its methods for masks: products of tables of Fresnel integrals
