@@ -199,3 +199,29 @@ def test_refusals(arguments, options, message):
     with pytest.raises(refuse.Refusal) as refusal:
         light.spectral_sum(*arguments, light.illuminant("E"), **options)
     assert str(refusal.value).startswith(message)
+
+
+def test_a_pattern_stretched_by_a_rule_of_ones_own():
+    """Linear interpolation of a plane ax + by + c is exact: Σ w (s (ax + by) + c)."""
+    grid = Grid((41, 41), (0.5, 0.5))
+    y, x = grid.axes()
+    values = (0.01 * x + 0.02 * y[:, None] + 1).astype(np.float32)
+    target, spectrum = Grid((9, 12), (0.3, 0.2), (1.0, -2.0)), light.illuminant("E")
+    found = light.stretched_sum(
+        Pattern(values, grid, 550e-9, 0.0), spectrum, lambda ratios: 1 + 0.2 * (1 - ratios), target, 7
+    )
+    wavelengths, weights = light.quadrature(spectrum, 7)
+    (v, u), wanted = target.axes(), np.zeros((9, 12, 3))
+    for wavelength, weight in zip(wavelengths, weights, strict=True):
+        scale = 1 + 0.2 * (1 - 550e-9 / wavelength)
+        wanted += (scale * (0.01 * u + 0.02 * v[:, None]) + 1)[..., None] * weight
+    np.testing.assert_allclose(found.pixels, wanted, atol=1e-6)
+    assert found.metadata["white_xyz"] == pytest.approx(light.white(spectrum))
+
+
+def test_a_rule_that_turns_the_pattern_over_is_refused():
+    pattern = Pattern(np.ones((5, 5), np.float32), Grid((5, 5), (1.0, 1.0)), 550e-9, 0.0)
+    with pytest.raises(refuse.Refusal, match="'scale' must be > 0 for every wavelength"):
+        light.stretched_sum(
+            pattern, light.illuminant("E"), lambda ratios: 1 - ratios, Grid((3, 3), (1.0, 1.0))
+        )

@@ -6,7 +6,8 @@ shapes     circle, rectangle, iris, polygon, whirl: openings whose edges are kno
 masks      from_mask, from_picture and rasterize: between openings and pixels
 compose    union, intersection, subtraction, dimmed, scaled, moved, rotated
 dust       dust and scratches: an opening seen through dirt
-obstructions  central discs, spider vanes and round shadows
+clipping   what of a ring lies within a circle, arcs kept exact
+obstructions  central discs, spider vanes, round shadows, and cat's eyes
 wavefront  wavefront errors of openings, and what pixels do to a wave
 zernike    the polynomials that wavefronts are made of
 geometry   arcs, chords, areas and moments of outlines, for the rooms above
@@ -28,7 +29,7 @@ from aureole.aperture.geometry import (
     ring_moments,
 )
 from aureole.aperture.masks import from_mask, from_picture, rasterize
-from aureole.aperture.obstructions import obstruction, shadow, spiders
+from aureole.aperture.obstructions import cats_eye, obstruction, shadow, spiders
 from aureole.aperture.shapes import circle, iris, polygon, rectangle, whirl
 from aureole.aperture.wavefront import (
     bounding_radius,
@@ -49,6 +50,7 @@ __all__ = [
     "as_circle",
     "boundary_nodes",
     "bounding_radius",
+    "cats_eye",
     "central_moments",
     "check_wavefront",
     "chords",

@@ -2,9 +2,10 @@
 
 With transmittances a and b at a point, the intersection lets through a·b, the subtraction
 a·(1 − b) and the union 1 − (1 − a)·(1 − b). Rings add up, so all three follow from products of
-rings. A ring that lies within another keeps its exact arcs; where edges cross, arcs become chords
-that stray by less than 1e-7 of the width. With a raster among them the result is a raster. A wavefront
-goes where its raster goes unchanged, and is refused where it would be resampled or lose its meaning.
+rings. A ring that lies within another keeps its exact arcs, and so does one that crosses a full circle;
+where other arcs cross, they become chords that stray by less than 1e-7 of the width. With a raster among
+them the result is a raster. A wavefront goes where its raster goes unchanged, and is refused where it
+would be resampled or lose its meaning.
 """
 
 import math
@@ -14,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import refuse
-from aureole.aperture.geometry import CUT_TOLERANCE, region
+from aureole.aperture.clipping import within_circle
+from aureole.aperture.geometry import CUT_TOLERANCE, as_circle, region, ring_moments
 from aureole.aperture.masks import rasterize
 from aureole.records import Aperture, Outline
 
@@ -225,12 +227,23 @@ def _overlap(one: Outline, other: Outline, width: float) -> list[Outline]:
         return [Outline(one.vertices, one.bulges)]
     if there.within(here):
         return [Outline(other.vertices, other.bulges)]
+    exact = _cut_by_circle(one, other)
+    if exact is not None:
+        return [ring for ring in exact if abs(ring_moments(ring)[0]) > SLIVER * width**2]
     rings = []
     for piece in _polygons(here.intersection(there)):
         if piece.area > SLIVER:
             rings.append(_ring(piece.exterior, 1.0, width))
             rings += [_ring(hole, -1.0, width) for hole in piece.interiors]
     return [Outline(r.vertices, r.bulges, r.transmittance) for r in rings]
+
+
+def _cut_by_circle(one: Outline, other: Outline) -> list[Outline] | None:
+    """Return what lies in both rings where one of them is a circle and the other crosses it clearly."""
+    for ring, cutter in ((one, as_circle(other)), (other, as_circle(one))):
+        if cutter is not None:
+            return within_circle(ring, cutter)
+    return None
 
 
 def _polygons(shape: Any) -> list[Any]:

@@ -106,7 +106,7 @@ def chords(outline: Outline, tolerance: float) -> NDArray[np.float64]:
     if not np.any(outline.bulges):
         return outline.vertices
     pieces = []
-    for start, end, bulge in _edges(outline):
+    for start, end, bulge in edges(outline):
         if bulge == 0:
             pieces.append(start[None])
             continue
@@ -139,7 +139,7 @@ def boundary_nodes(outline: Outline, panel_length: float) -> tuple[NDArray[np.fl
     """
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_NODES)
     points, steps = [], []
-    for start, end, bulge in _edges(outline):
+    for start, end, bulge in edges(outline):
         chord = end - start
         length = math.hypot(*chord) * _arc_over_chord(bulge)
         panels = max(1, math.ceil(length / panel_length))
@@ -298,7 +298,19 @@ def _shared_area(ring: Outline, other: Outline, width: float) -> float:
     return float(inside.intersection(outside).area) * width**2
 
 
-def _edges(outline: Outline) -> list[tuple[NDArray[np.float64], NDArray[np.float64], float]]:
+def edges(outline: Outline) -> list[tuple[NDArray[np.float64], NDArray[np.float64], float]]:
+    """List the edges of a ring.
+
+    Parameters
+    ----------
+    outline : Outline
+        Any ring.
+
+    Returns
+    -------
+    list of tuple
+        Start (2,), end (2,) in metres and bulge of each.
+    """
     ends = np.roll(outline.vertices, -1, axis=0)
     return [
         (start, end, float(bulge))

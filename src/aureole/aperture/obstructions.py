@@ -1,4 +1,4 @@
-"""What stands in an opening or before it: a disc in the middle, the vanes that hold it, a round shadow."""
+"""What stands in an opening or before it: a central disc, its vanes, a round shadow, a lens's housing."""
 
 import math
 from dataclasses import replace
@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from aureole import refuse
-from aureole.aperture.compose import moved, subtraction
+from aureole.aperture.compose import intersection, moved, subtraction
 from aureole.aperture.geometry import area
 from aureole.aperture.shapes import circle
 from aureole.aperture.wavefront import bounding_radius
@@ -122,6 +122,38 @@ def shadow(aperture: Aperture, x: float, y: float, diameter: float) -> Aperture:
     disc = moved(circle(refuse.positive("shadow's diameter", diameter)), x, y)
     left = subtraction(aperture, disc)
     return _with_light(replace(left, width=aperture.width, name=f"{aperture.name} in shadow"), aperture)
+
+
+def cats_eye(shape: Aperture, housing_diameter: float, offset: tuple[float, float] = (0.0, 0.0)) -> Aperture:
+    """Crop an opening by the round housing of its lens, as seen from off the axis (quad paper §6.2).
+
+    What is left is the iris where the rim of the lens, seen through it, lets light pass: for an iris wide
+    open the lens-shaped "cat's eye" of two circles.
+
+    Parameters
+    ----------
+    shape : Aperture
+        The iris: outlines, which keep their exact edges and get the circle's arcs, or a raster.
+    housing_diameter : float
+        Of the housing's round opening as it lies over the iris, metres.
+    offset : tuple of float
+        Its centre (x, y) from the axis, metres, x to the right, y downward. It grows with the angle from
+        which the light comes.
+
+    Returns
+    -------
+    Aperture
+        What both let through, on the width of the iris.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is outside its range, or nothing is left.
+    """
+    x, y = refuse.all_finite("offset", refuse.shape_of("offset", offset, (2,)))
+    housing = moved(circle(refuse.positive("housing_diameter", housing_diameter)), float(x), float(y))
+    left = intersection(shape, housing)
+    return _with_light(replace(left, name=f"{shape.name} within a housing"), shape)
 
 
 def _with_light(left: Aperture, whole: Aperture) -> Aperture:

@@ -16,7 +16,7 @@ and from there one in a linear RGB space.
 """
 
 from aureole.light.illuminants import ILLUMINANTS, illuminant
-from aureole.light.observer import chromaticity, observer, quadrature, tristimulus, white
+from aureole.light.observer import chromaticity, lit_range, observer, quadrature, tristimulus, white
 from aureole.light.spaces import (
     SPACES,
     Space,
@@ -28,7 +28,7 @@ from aureole.light.spaces import (
     to_xyz,
 )
 from aureole.light.spectra import black_body, line, spectrum
-from aureole.light.spectral import METHODS, spectral_sum, spectral_sum_at
+from aureole.light.spectral import METHODS, in_white_of, spectral_sum, spectral_sum_at, stretched_sum
 
 __all__ = [
     "ILLUMINANTS",
@@ -41,7 +41,9 @@ __all__ = [
     "convert",
     "from_xyz",
     "illuminant",
+    "in_white_of",
     "line",
+    "lit_range",
     "matrix",
     "observer",
     "quadrature",
@@ -49,6 +51,7 @@ __all__ = [
     "spectral_sum",
     "spectral_sum_at",
     "spectrum",
+    "stretched_sum",
     "to_xyz",
     "tristimulus",
     "white",

@@ -34,7 +34,8 @@ def full(task: Task) -> NDArray[np.float32]:
     """
     pattern = task.pattern("full")
     wavelengths, weights = quadrature(task.spectrum, task.samples)
-    lookup = _Lookup(pattern, task.taps, task.wavelength / wavelengths, weights, *_upper(task))
+    ratios = task.wavelength / wavelengths
+    lookup = _Lookup(pattern, task.taps, ratios, _brighter(weights, ratios), *_upper(task))
     return _plane(task, lookup, _padded(pattern.intensity, lookup.rows))
 
 
@@ -67,8 +68,40 @@ def full_at(
         The sum in XYZ.
     """
     wavelengths, weights = quadrature(spectrum, samples)
+    ratios = pattern.wavelength / wavelengths
+    return stretched_at(pattern, ratios, _brighter(weights, ratios), y, x, taps)
+
+
+def stretched_at(
+    pattern: Pattern,
+    scales: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    y: NDArray[np.float64],
+    x: NDArray[np.float64],
+    taps: int,
+) -> NDArray[np.float32]:
+    """Add a pattern up, looked up at places multiplied by one scale after the other.
+
+    Parameters
+    ----------
+    pattern : Pattern
+        Zero outside its grid.
+    scales : ndarray of float64, shape (W,)
+        Positive.
+    weights : ndarray of float64, shape (W, 3)
+        Of each scale for X, Y and Z.
+    y, x : ndarray of float64, shapes (R,) and (C,)
+        Places in the pattern's unit, rising, at any distances.
+    taps : int
+        2 interpolates linearly, 4 by cubics.
+
+    Returns
+    -------
+    ndarray of float32, shape (R, C, 3)
+        Σ_k weights[k] P(scales[k] (x, y)).
+    """
     out = np.empty((y.size, x.size, 3), dtype=np.float32)
-    lookup = _Lookup(pattern, taps, pattern.wavelength / wavelengths, weights, y, x)
+    lookup = _Lookup(pattern, taps, scales, weights, y, x)
     lookup.add(_padded(pattern.intensity, lookup.rows), out)
     return out
 
@@ -110,7 +143,7 @@ def batch(task: Task) -> NDArray[np.float32]:
     neighbours = step ** (np.arange(FINE) - (FINE - 1) / 2)
     middles = np.sqrt(edges[1:] * edges[:-1])
     ratios = task.wavelength / middles
-    weights = bands(task.spectrum, edges)
+    weights = _brighter(bands(task.spectrum, edges), ratios)
     lookup = _Lookup(pattern, TAPS["linear"], ratios, weights, *_upper(task))
     return _plane(task, lookup, _first_pass(pattern, neighbours, lookup.rows, task.taps))
 
@@ -149,8 +182,7 @@ class _Lookup:
         # Fill up the last group with wavelengths that lie outside and weigh nothing.
         spare = -ratios.size % _kernels.GROUP
         self._scales = np.concatenate([ratios, np.full(spare, 1e9)])
-        parts = np.concatenate([weights * ratios[:, None] ** 2, np.zeros((spare, 3))])
-        self._weights = parts.astype(np.float32)
+        self._weights = np.concatenate([weights, np.zeros((spare, 3))]).astype(np.float32)
         self._table = self._tables(y, x)
         self.rows = _rows_read(self._table[0][0], taps, pattern.grid.shape[0])
 
@@ -175,6 +207,11 @@ class _Lookup:
         places = index_positions(self._pattern.grid, np.outer(self._scales, y), np.outer(self._scales, x))
         rows, columns = self._pattern.grid.shape
         return _taps(places[0], rows, self._taps), _taps(places[1], columns, self._taps)
+
+
+def _brighter(weights: NDArray[np.float64], ratios: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Multiply weights (W, 3) by ρ², which keeps the energy of a far field that shrinks by ρ."""
+    return np.asarray(weights * ratios[:, None] ** 2)
 
 
 def _upper(task: Task) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

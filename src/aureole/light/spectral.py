@@ -11,11 +11,13 @@ each channel holds the pattern's energy times the light's white, whose luminance
 METHODS: "reference" here, "full" and "batch" in `lookups`, "rays" in `rays`.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from aureole import refuse
-from aureole.light.lookups import batch, full, full_at, look_ups
+from aureole.light.lookups import batch, full, full_at, look_ups, stretched_at
 from aureole.light.observer import quadrature, white
 from aureole.light.rays import counts, rays, refusal
 from aureole.light.scaling import TAPS, Analytic, Task, index_positions
@@ -105,8 +107,7 @@ def spectral_sum(
     samples = refuse.at_least("samples", samples, 1)
     task = Task(source, target, wavelength, spectrum, samples, interpolation, symmetric)
     pixels = METHODS[_choice(task) if method == "auto" else method](task)
-    light_white = tuple(float(value) for value in white(spectrum))
-    return Picture(pixels.astype(np.float32, copy=False), "xyz", {WHITE_KEY: light_white})
+    return in_white_of(spectrum, pixels)
 
 
 def spectral_sum_at(
@@ -144,6 +145,72 @@ def spectral_sum_at(
     """
     refuse.one_of("interpolation", interpolation, TAPS)
     return full_at(pattern, spectrum, rows, columns, samples, TAPS[interpolation])
+
+
+def stretched_sum(
+    pattern: Pattern,
+    spectrum: Spectrum,
+    scale: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    grid: Grid,
+    samples: int = DEFAULT_SAMPLES,
+    interpolation: str = "linear",
+) -> Picture:
+    """Add up a pattern over wavelengths, stretched by a rule of the caller's and made no brighter.
+
+    S_c(q) = Σ_λ w_c(λ) P_r(s(ρ) q), ρ = λ_r / λ: where the pattern is 1, the sum is the light's white.
+
+    Parameters
+    ----------
+    pattern : Pattern
+        At its own wavelength λ_r; zero outside its grid.
+    spectrum : Spectrum
+        The light.
+    scale : callable
+        Takes ρ of each wavelength, shape (W,), and returns s(ρ), all positive.
+    grid : Grid
+        Where the sum is wanted, in the pattern's unit.
+    samples : int
+        Number of wavelengths.
+    interpolation : {"linear", "cubic"}
+        Between the pattern's samples.
+
+    Returns
+    -------
+    Picture
+        (rows, columns, 3) in colour space "xyz"; its metadata names the light's white.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where an input is not as described.
+    """
+    refuse.one_of("interpolation", interpolation, TAPS)
+    _checked_grid("grid", grid)
+    wavelengths, weights = quadrature(spectrum, samples)
+    scales = scale(pattern.wavelength / wavelengths)
+    if not np.all(scales > 0):
+        raise refuse.Refusal(f"'scale' must be > 0 for every wavelength, got {np.min(scales):g}.")
+    pixels = stretched_at(pattern, scales, weights, *grid.axes(), TAPS[interpolation])
+    return in_white_of(spectrum, pixels)
+
+
+def in_white_of(spectrum: Spectrum, pixels: NDArray[np.floating]) -> Picture:
+    """Make a picture in XYZ that knows the white of its light.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        The light.
+    pixels : ndarray, shape (rows, columns, 3)
+        X, Y, Z.
+
+    Returns
+    -------
+    Picture
+        In colour space "xyz"; its metadata names the light's white.
+    """
+    light_white = tuple(float(value) for value in white(spectrum))
+    return Picture(pixels.astype(np.float32, copy=False), "xyz", {WHITE_KEY: light_white})
 
 
 def _reference(task: Task) -> NDArray[np.floating]:
