@@ -1,10 +1,25 @@
-"""The near field's bench: its discrete rivals against closed forms and direct integrals."""
+"""The near field's bench: its discrete rivals against closed forms and direct integrals, and its tables."""
+
+import importlib.util
+import json
+import types
 
 import numpy as np
 import pytest
 
-from aureole import Aperture, Grid, diffraction
-from aureole.bench import convolved, fractional, shapes
+from aureole import Aperture, Grid, bench, diffraction
+from aureole.bench import (
+    convolved,
+    fractional,
+    near_field,
+    near_levels,
+    near_peers,
+    near_table,
+    peer_ways,
+    shapes,
+)
+from aureole.bench.optics import Plane
+from aureole.cli.main import run
 
 WIDTH, WAVELENGTH = 0.1, 550e-9
 
@@ -176,3 +191,205 @@ def test_without_a_frame_the_light_comes_round(opening):
     exact = truth(opening, far, WIDTH / len(opening))
     framed, bare = (convolved.impulse_response(opening, WIDTH, far, WAVELENGTH, k) for k in (2, 1))
     assert rms(bare, exact) > 4 * rms(framed, exact)
+
+
+@pytest.fixture(scope="module")
+def tables():
+    """The whole bench at 64², as plain values: stages, the whole, rows by table."""
+    stages = list(bench.run_near_field(bench.NearFieldBench(size=64, runs=1)))
+    values = bench.plain(stages[-1].result)
+    return stages, values, {table["name"]: table["rows"] for table in values["tables"]}
+
+
+def test_every_table_is_measured_and_tells_how_far_it_is(tables):
+    stages, values, rows = tables
+    assert tuple(rows) == near_field.TASKS
+    assert all(table["rows"] and table["notes"] for table in values["tables"])
+    fractions = [stage.fraction for stage in stages]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1
+    assert all(stage.label for stage in stages)
+    assert values["settings"] == {"size": 64, "runs": 1, "only": [], "seed": None}
+
+
+def test_printed_figures_are_the_papers():
+    """Quad paper: Table 4."""
+    assert near_table.PRINTED_FRACTIONAL_MS == (15.98, 33.01, 128.72, 533.85, 2133.19)
+    assert near_table.PRINTED_DISCRETE_MS == (4.87, 20.94, 94.73)
+    assert near_table.PRINTED_MS == {
+        "box": (0.12, 0.14, 0.28, 7.88, 30.88),
+        "circle": (0.11, 0.23, 0.84, 5.43, 41.30),
+        "heptagon": (0.14, 0.36, 1.71, 15.78, 137.16),
+        "whirl": (0.16, 0.49, 2.93, 23.42, 255.72),
+    }
+
+
+def test_printed_figures_stand_beside_their_own_sizes():
+    """The largest size that the paper's discrete way could do is 1024²."""
+    assert near_table._printed("whirl", 512) == {
+        "printed_ms": 0.49,
+        "printed_fractional_ms": 33.01,
+        "printed_discrete_ms": 20.94,
+    }
+    assert near_table._printed("box", 2048) == {"printed_ms": 7.88, "printed_fractional_ms": 533.85}
+    assert near_table._printed("box", 64) == {}
+
+
+def test_table_4_times_every_shape_and_the_discrete_ways(tables):
+    rows = tables[2]["table-4"]
+    assert [(row["size"], row["aperture"]) for row in rows] == [
+        (size, name) for size in (32, 64) for name in shapes.OUTLINES
+    ]
+    for row in rows:
+        assert all(row[f"{key}_ms"] > 0 for key in ("mask", "fractional", "discrete", "framed"))
+
+
+def test_figure_6_loses_a_little_with_each_level(tables):
+    rows = tables[2]["figure-6"]
+    for number in near_levels.FRESNEL_NUMBERS:
+        full, *coarse = (row for row in rows if row["fresnel_number"] == number)
+        assert full["finest"] == "full"
+        assert full["auto_gain"] == full["quads_gain"] == 1
+        quality = [row["psnr"] for row in coarse]
+        assert quality == sorted(quality, reverse=True)
+        assert [row["quads"] for row in (full, *coarse)] == sorted(
+            (row["quads"] for row in (full, *coarse)), reverse=True
+        )
+        for row in coarse:
+            assert row["quads_gain"] == pytest.approx(full["quads_ms"] / row["quads_ms"])
+
+
+def test_the_shadow_of_figure_6_covers_a_part():
+    mask, whole = near_levels.covered(128), shapes.mask("heptagon", 128)
+    assert 0.4 < mask.sum() / whole.sum() < 0.9
+    assert (mask <= whole).all()
+    place = np.add(near_levels.SHADOW, 0.5) * 128
+    assert mask[int(place[1]), int(place[0])] == 0
+
+
+def test_growth_is_the_ratio_of_its_rows(tables):
+    first, second, third = tables[2]["growth"]
+    assert (first["places"], second["places"], third["places"]) == (64, 128, 256)
+    assert second["mask_growth"] == pytest.approx(second["mask_ms"] / first["mask_ms"])
+    assert third["mask_growth"] == pytest.approx(third["mask_ms"] / second["mask_ms"])
+
+
+def test_libraries_that_are_there_are_measured_and_the_others_are_missed(tables):
+    rows, values = tables[2]["peers"], tables[1]
+    there = [peer for peer in near_peers.PEERS if importlib.util.find_spec(peer.MODULE) is not None]
+    ways = [row["way"] for row in rows]
+    assert ways[:3] == [near_peers.OURS, near_peers.CENTRED, near_peers.AMPLITUDE]
+    plane = Plane(shapes.mask("box", 16), 1.0, 1e-6)
+    assert ways[3:] == [way for peer in there for way in peer.near_ways(plane)]
+    notes = next(table["notes"] for table in values["tables"] if table["name"] == "peers")
+    for peer in near_peers.PEERS:
+        missed = f"{peer.NAME}: not installed: {peer_ways.INSTALL}" in notes
+        assert missed == (peer not in there)
+    assert not any("fails here" in note for note in notes)
+
+
+def test_errors_of_the_libraries_are_what_sampling_gives(tables):
+    """At 64² only the transfer function holds at these Fresnel numbers, and it is not exact."""
+    rows = {row["way"]: row for row in tables[2]["peers"]}
+    ours = rows[near_peers.OURS]
+    for number in near_peers.FRESNEL_NUMBERS:
+        for way in (near_peers.OURS, near_peers.CENTRED, near_peers.AMPLITUDE):
+            assert rows[way][f"error_{number}"] < 3e-6
+            assert rows[way][f"error_{number}"] <= rows[way][f"largest_{number}"] < 1e-4
+        assert 0.01 < rows["SciPy, transfer function"][f"error_{number}"] < 1
+        assert rows["SciPy, impulse response"][f"error_{number}"] > 1
+        for row in rows.values():
+            assert row[f"ratio_{number}"] == pytest.approx(row[f"ms_{number}"] / ours[f"ms_{number}"])
+
+
+@pytest.mark.parametrize("peer", near_peers.PEERS, ids=lambda peer: peer.NAME)
+def test_a_librarys_places_are_the_pixels_middles(peer):
+    """A mask that is not symmetric: moved by a pixel or mirrored, the answers are further from the truth."""
+    if importlib.util.find_spec(peer.MODULE) is None:
+        # Said by the bench as well: there is nothing of it to test.
+        return
+    mask = shapes.mask("heptagon", 128) * (np.arange(128) < 70) * (np.arange(128) < 62)[:, None]
+    plane = Plane(mask.astype(np.float32), near_peers.WIDTH, near_peers.WAVELENGTH)
+    far = plane.distance(3.0)
+    truth = diffraction.near_power(plane.aperture, plane.grid, far, plane.wavelength, "reference")
+    for way, at, _ in peer_ways.working([peer], lambda peer: peer.near_ways(plane), far, []):
+        found = at(far)
+
+        def off(picture, truth=truth):
+            return float(np.abs(picture - truth)[4:-4, 4:-4].mean() / truth.mean())
+
+        right = off(found)
+        wrong = [found.T, *(np.roll(found, s, a) for s in (1, -1) for a in (0, 1))]
+        assert right < 0.35, way
+        assert all(off(each) > 1.02 * right for each in wrong), way
+
+
+def test_a_peer_that_fails_is_said_and_the_others_go_on():
+    def near_ways(plane):
+        raise ImportError("no such backend")
+
+    broken = types.SimpleNamespace(NAME="Broken", MODULE="scipy", PACKAGE="broken", near_ways=near_ways)
+    stages = list(near_peers.near_peers(32, 1, [broken, near_peers.peer_scipy]))
+    (table,) = stages[-1].result
+    assert "Broken: installed, but fails here: ImportError: no such backend" in table.notes
+    assert "SciPy, transfer function" in [row["way"] for row in table.rows]
+
+
+@pytest.mark.parametrize(("size", "middle"), [(8, 0.5), (9, 0.0)])
+def test_a_planes_places_are_its_pixels_middles(size, middle):
+    plane = Plane(np.ones((size, size), dtype=np.float32), 2.0, 0.5)
+    step = 2.0 / size
+    np.testing.assert_allclose(plane.grid.axes()[0], (np.arange(size) + 0.5) * step - 1.0, atol=1e-15)
+    assert plane.grid.centre == (middle * step, middle * step)
+    assert 0.0 in plane.centred.axes()[1]
+    assert plane.distance(4.0) == pytest.approx(0.5**2 / (0.5 * 4.0))
+
+
+def test_tables_fit_a_hundred_columns(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "100")
+    assert run(["bench", "near-field", "--size", "256", "--runs", "1", "--only", "table-4"]) == 0
+    said = capsys.readouterr()
+    lines = said.out.splitlines()
+    assert max(len(line) for line in lines) <= 100
+    assert "…" not in said.out
+    whirl = next(line for line in lines if line.startswith("256²") and "whirl" in line)
+    assert {"0.16", "16", "4.9"} <= set(whirl.split())
+    assert said.err == ""
+
+
+def test_a_library_alone_asks_for_the_peers_and_results_are_written_whole(tmp_path, capsys):
+    out = tmp_path / "near.json"
+    words = ["bench", "near-field", "--only", "scipy", "--size", "32", "--runs", "1", "-o", str(out)]
+    assert run(words) == 0
+    values = json.loads(out.read_text(encoding="utf-8"))
+    assert [table["name"] for table in values["tables"]] == ["peers"]
+    assert "not installed" not in out.read_text(encoding="utf-8")
+    assert list(tmp_path.iterdir()) == [out]
+    assert max(len(line) for line in capsys.readouterr().out.splitlines() if "(1.0x)" in line) <= 100
+
+
+REFUSED = [
+    (["--only", "table-5"], "Did you mean 'table-4'?"),
+    (["--size", "100"], "'size' must be a power of two, such as 1024, got 100."),
+    (["--size", "16"], "'size' must be an integer >= 32, got 16."),
+    (["--runs", "0"], "'runs' must be an integer >= 1, got 0."),
+    (["-o", "results.txt"], "'output' must end in .json, got 'results.txt'."),
+]
+
+
+@pytest.mark.parametrize(("words", "text"), REFUSED, ids=[" ".join(words) for words, _ in REFUSED])
+def test_bad_input_is_refused_in_one_line_before_work(words, text, capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    assert run(["bench", "near-field", *words]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert len(said.err.strip().splitlines()) == 1
+    assert text in said.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_help_teaches_by_example(capsys):
+    assert run(["bench", "near-field", "--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "aureole bench near-field --size 1024" in text
+    assert all(name in text for name in near_field.CHOICES)

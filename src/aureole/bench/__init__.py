@@ -15,7 +15,7 @@ zooms               far fields of masks, finer than the transform's own spacing
 starbursts          a whole starburst in colour
 peer_ways           which peers are installed, and their ways
 peer_*              one file a library
-optics            the far-field problem as a peer takes it
+optics            a far-field and a near-field problem as a peer takes them
 convolved         the discrete near field by FFT, in a frame of zeros
 fractional        the discrete fractional Fourier transform, and the near field by it
 shapes            the quad paper's four apertures
@@ -23,17 +23,20 @@ timing            runs in turn, medians, the environment
 report            tables and reports
 """
 
+from aureole.bench.near_field import NearFieldBench, run_near_field
 from aureole.bench.peers import PeersBench, run_peers
 from aureole.bench.quad_paper import QuadPaperBench, run_quad_paper
 from aureole.bench.report import Column, Report, Table, plain
 
 __all__ = [
     "Column",
+    "NearFieldBench",
     "PeersBench",
     "QuadPaperBench",
     "Report",
     "Table",
     "plain",
+    "run_near_field",
     "run_peers",
     "run_quad_paper",
 ]

@@ -1,4 +1,4 @@
-"""One far-field problem as every library can pose it: a mask, a lens, a sensor."""
+"""Optical problems as every library can pose them: a mask, a lens and a sensor, or a mask and a plane."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,8 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from aureole.records import Aperture, Grid
+
 # The intensity on the sensor at a wavelength in metres, up to a factor: |F(x / λf)|² / λ².
 Intensity = Callable[[float], NDArray[np.floating]]
+# The irradiance on the plane at a distance in metres, 1 where nothing is in the way.
+Irradiance = Callable[[float], NDArray[np.floating]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,3 +44,59 @@ class Optics:
     def pixel(self) -> float:
         """The mask's pixel, metres."""
         return self.width / self.size
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """A mask in a plane wave, and as many places on a plane behind it, as far apart.
+
+    Parameters
+    ----------
+    mask : ndarray of float32, shape (n, n)
+        Transmittance.
+    width : float
+        Of the mask and of the plane, metres.
+    wavelength : float
+        Metres.
+    """
+
+    mask: NDArray[np.float32]
+    width: float
+    wavelength: float
+
+    @property
+    def size(self) -> int:
+        """Pixels on each side."""
+        return len(self.mask)
+
+    @property
+    def aperture(self) -> Aperture:
+        """The mask, its pixels squares."""
+        return Aperture(self.width, mask=self.mask)
+
+    @property
+    def grid(self) -> Grid:
+        """The middles of the pixels, where libraries that take pixels for samples have theirs."""
+        step = self.width / self.size
+        middle = 0.0 if self.size % 2 else 0.5 * step
+        return Grid((self.size, self.size), (step, step), (middle, middle))
+
+    @property
+    def centred(self) -> Grid:
+        """As many places as far apart, of which the middle one lies on the axis."""
+        return Grid(self.grid.shape, self.grid.spacing)
+
+    def distance(self, fresnel_number: float) -> float:
+        """Return the distance at which an opening across half of the mask has a Fresnel number.
+
+        Parameters
+        ----------
+        fresnel_number : float
+            (width / 4)² / (λz).
+
+        Returns
+        -------
+        float
+            Metres.
+        """
+        return (0.25 * self.width) ** 2 / (self.wavelength * fresnel_number)

@@ -1,4 +1,4 @@
-"""SciPy: padded real transforms, pruned to what is wanted, and its own zoom transform."""
+"""SciPy: padded real transforms, pruned to what is wanted, its own zoom transform, and convolutions."""
 
 import importlib
 
@@ -6,7 +6,8 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from aureole.bench.optics import Intensity, Optics
+from aureole.bench import convolved
+from aureole.bench.optics import Intensity, Irradiance, Optics, Plane
 from aureole.bench.timing import workers
 
 NAME, MODULE, PACKAGE = "SciPy", "scipy", "scipy"
@@ -29,6 +30,32 @@ def ways(optics: Optics) -> dict[str, Intensity]:
         Name to a function of the wavelength.
     """
     return {LOOP: lambda wavelength: _zoomed(optics, wavelength)}
+
+
+def near_ways(plane: Plane) -> dict[str, Irradiance]:
+    """Return SciPy's ways to the irradiance behind a mask, in single precision, in a frame twice as wide.
+
+    Parameters
+    ----------
+    plane : Plane
+        Mask and wavelength.
+
+    Returns
+    -------
+    dict
+        Name to a function of the distance.
+    """
+    return {
+        "SciPy, impulse response": lambda z: _convolved(convolved.impulse_response, plane, z),
+        "SciPy, the same by axes": lambda z: _convolved(convolved.impulse_response_by_axes, plane, z),
+        "SciPy, transfer function": lambda z: _convolved(convolved.transfer_function, plane, z),
+    }
+
+
+def _convolved(way: convolved.Convolution, plane: Plane, distance: float) -> NDArray[np.floating]:
+    field = way(plane.mask, plane.width, distance, plane.wavelength, 2)
+    power: NDArray[np.floating] = field.real**2 + field.imag**2
+    return power
 
 
 def _zoomed(optics: Optics, wavelength: float) -> NDArray[np.floating]:

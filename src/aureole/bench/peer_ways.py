@@ -1,10 +1,10 @@
-"""The peers, and their ways to a far field: those that are installed, and a note on those that are not."""
+"""The peers, and their ways: those of the ones that are installed, and a note on those that are not."""
 
 import contextlib
 import importlib.util
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import ModuleType
 
 import numpy as np
@@ -55,6 +55,33 @@ def ways_of(
     list of tuple
         Name of the way, the intensity as a function of the wavelength, the peer.
     """
+    return working(peers, lambda peer: peer.ways(optics), WAVELENGTH, notes)
+
+
+def working(
+    peers: list[ModuleType],
+    ask: Callable[[ModuleType], dict[str, Intensity]],
+    first: float,
+    notes: list[str],
+) -> list[tuple[str, Intensity, ModuleType]]:
+    """Return every way of the peers that are installed and work, each called once.
+
+    Parameters
+    ----------
+    peers : list of module
+        Who is asked.
+    ask : callable
+        A peer's ways: name to a function of a number.
+    first : float
+        The number with which each is called once.
+    notes : list of str
+        Gets a line for each peer that is missing or fails.
+
+    Returns
+    -------
+    list of tuple
+        Name of the way, the function, the peer.
+    """
     found = []
     for peer in peers:
         if importlib.util.find_spec(peer.MODULE) is None:
@@ -63,9 +90,9 @@ def ways_of(
         # A peer that fails is no fault of the others.
         try:
             with _unheard():
-                own = [(way, _quiet(at), peer) for way, at in peer.ways(optics).items()]
+                own = [(way, _quiet(at), peer) for way, at in ask(peer).items()]
                 for _, at, _ in own:
-                    at(WAVELENGTH)
+                    at(first)
         except Exception as error:
             notes.append(f"{peer.NAME}: installed, but fails here: {type(error).__name__}: {error}")
             continue
@@ -74,9 +101,9 @@ def ways_of(
 
 
 def _quiet(at: Intensity) -> Intensity:
-    def quiet(wavelength: float) -> NDArray[np.floating]:
+    def quiet(number: float) -> NDArray[np.floating]:
         with _unheard():
-            return at(wavelength)
+            return at(number)
 
     return quiet
 

@@ -20,6 +20,7 @@ app = typer.Typer(
     "Nothing is random.\n\n"
     "Examples:\n\n"
     "    aureole bench quad-paper --only table-1,figure-10\n\n"
+    "    aureole bench near-field --size 1024\n\n"
     "    aureole bench peers -o peers.json\n",
     no_args_is_help=True,
     rich_markup_mode="markdown",
@@ -79,6 +80,31 @@ def peers(
         aureole bench peers --only zoom,prysm --runs 9 -o peers.json
     """
     _run(bench.run_peers(bench.PeersBench(size, runs, _names(only))), out, as_json)
+
+
+@app.command(name="near-field")
+def near_field(
+    size: Annotated[
+        int, typer.Option(help="Largest size, a power of two; only table-4 goes beyond 1024.")
+    ] = 4096,
+    runs: Runs = 5,
+    only: Only = None,
+    out: Results = None,
+    as_json: options.Json = False,
+) -> None:
+    """Near fields: Table 4 and Figure 6 of the quad paper, and SciPy, diffractsim and LightPipes.
+
+    The paper's times are a GeForce GTX 1080 Ti's; its discrete rivals are measured here as well. The
+    libraries come with `pip install 'aureole[bench]'`. Names for --only: table-4, figure-6, peers, growth,
+    scipy, diffractsim, lightpipes; a library alone means peers.
+
+    Examples:
+
+        aureole bench near-field --size 1024
+
+        aureole bench near-field --only peers,lightpipes --runs 9 -o near.json
+    """
+    _run(bench.run_near_field(bench.NearFieldBench(size, runs, _names(only))), out, as_json)
 
 
 def _names(only: str | None) -> tuple[str, ...]:
