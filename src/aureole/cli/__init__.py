@@ -3,9 +3,13 @@
 main      the entry point: refusals on one line, exit codes
 app       the Typer application with its commands
 runs      running a job and writing its files
+nearfield the command `aureole nearfield`
+near_runs running near-field jobs and writing their files
 bench     the commands `aureole bench`
 options   flags that several commands share
 pupil_options  flags of vanes, dirt and wavefronts
+near_options   flags of planes behind an opening, and of many distances
+frames    numbered files: names with ####, lists of frames
 output    progress, reports, and files that appear whole
 views     previews, and mattes read from files
 """

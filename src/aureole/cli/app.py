@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from aureole import jobs, light, presets, refuse, units
-from aureole.cli import bench, options, output, runs
+from aureole.cli import bench, nearfield, options, output, runs
 from aureole.cli.options import FILES, ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, numbers, with_pupil_flags
 
@@ -161,6 +161,9 @@ def starburst(
         0.0 if light_size is None else units.angle(light_size, "light-size"),
     )
     runs.starburst(job, out, preview, report, as_json)
+
+
+app.command()(nearfield.nearfield)
 
 
 @app.command()

@@ -17,6 +17,8 @@ from aureole import picture, refuse, units
 from aureole.records import Picture, Stage
 
 DIGITS = 6
+# Fringes narrower than this many pixels are not seen as what they are.
+LEAST_FRINGE = 2.0
 
 
 def follow(stages: Iterable[Stage]) -> Any:
@@ -33,12 +35,24 @@ def follow(stages: Iterable[Stage]) -> Any:
         The last stage's result.
     """
     result = None
-    for stage in _bar(stages):
+    for stage in shown(stages):
         result = stage.result
     return result
 
 
-def _bar(stages: Iterable[Stage]) -> Iterator[Stage]:
+def shown(stages: Iterable[Stage]) -> Iterator[Stage]:
+    """Pass stages on under a progress bar on stderr.
+
+    Parameters
+    ----------
+    stages : iterable of Stage
+        As `aureole.jobs.run` yields them.
+
+    Yields
+    ------
+    Stage
+        The same.
+    """
     columns = (
         TextColumn("{task.description:32}"),
         BarColumn(),
@@ -87,6 +101,11 @@ def report(
     if "raster_true_to_deg" in values:
         angle = values["raster_true_to_deg"]
         say_notes([f"beyond {angle:.3g} degrees the pixels of the aperture's picture show in the rays"])
+    fringe = values.get("finest_fringe_pixels", LEAST_FRINGE)
+    if fringe < LEAST_FRINGE:
+        say_notes(
+            [f"the finest fringes are {fringe:.2g} pixels wide; a larger size or a smaller extent shows them"]
+        )
     written = [str(path) for path in files]
     if for_machine:
         as_json({**values, "files": written, "seconds": round(seconds, 3)})
@@ -141,7 +160,9 @@ def write_all(writers: Iterable[Callable[[], None]]) -> None:
             done.result()
 
 
-def write_display(path: Path, pixels: NDArray[np.float32]) -> None:
+def write_display(
+    path: Path, pixels: NDArray[np.float32], attributes: Mapping[str, picture.Attribute] | None = None
+) -> None:
     """Write pixels that are ready for a display.
 
     Parameters
@@ -150,8 +171,13 @@ def write_display(path: Path, pixels: NDArray[np.float32]) -> None:
         A PNG, JPEG or TIFF.
     pixels : ndarray, shape (rows, columns, 3)
         0..1, encoded.
+    attributes : mapping of str to Attribute, optional
+        What the file says besides.
     """
-    picture.write(path, Picture(np.asarray(pixels, dtype=np.float32)), transfer="linear", pixel_type="uint8")
+    ready = Picture(np.asarray(pixels, dtype=np.float32))
+    if attributes:
+        ready = picture.with_attributes(ready, attributes)
+    picture.write(path, ready, transfer="linear", pixel_type="uint8")
 
 
 def pixel_type_for(path: Path, asked: str) -> str:

@@ -127,35 +127,44 @@ class PupilFlags:
         }
 
 
-def with_pupil_flags(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command all of these flags; its parameter `pupil` gets them as `PupilFlags`.
+def with_flags(name: str, record: type) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command all flags of a record; its parameter of this name gets them as one.
 
     Parameters
     ----------
-    command : callable
-        With a parameter `pupil`.
+    name : str
+        Of a parameter of the command.
+    record : type
+        A dataclass, each of whose fields is annotated with its option and has a default.
 
     Returns
     -------
     callable
-        With a parameter for each flag instead.
+        Takes a command, returns one with a parameter for each flag instead.
     """
-    signature = inspect.signature(command)
-    kept = [p for p in signature.parameters.values() if p.name != "pupil"]
     added = [
-        inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=f.type)
-        for f in fields(PupilFlags)
+        inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=f.type)
+        for f in fields(record)
     ]
 
-    @functools.wraps(command)
-    def call(**given: Any) -> None:
-        flags = PupilFlags(**{parameter.name: given.pop(parameter.name) for parameter in added})
-        command(**given, pupil=flags)
+    def widened(command: Callable[..., None]) -> Callable[..., None]:
+        signature = inspect.signature(command)
+        kept = [p for p in signature.parameters.values() if p.name != name]
 
-    parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in kept] + added
-    call.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    call.__annotations__ = {p.name: p.annotation for p in parameters}
-    return call
+        @functools.wraps(command)
+        def call(**given: Any) -> None:
+            flags = record(**{parameter.name: given.pop(parameter.name) for parameter in added})
+            command(**given, **{name: flags})
+
+        parameters = [p.replace(kind=inspect.Parameter.KEYWORD_ONLY) for p in kept] + added
+        call.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        call.__annotations__ = {p.name: p.annotation for p in parameters}
+        return call
+
+    return widened
+
+
+with_pupil_flags = with_flags("pupil", PupilFlags)
 
 
 def numbers(text: str, name: str, count: int) -> tuple[Any, ...]:

@@ -1,5 +1,6 @@
 """What people look at: previews of pictures and kernels, and mattes read from files."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -87,3 +88,32 @@ def kernel(psf: Picture) -> NDArray[np.float32]:
         Ready for a screen.
     """
     return picture.to_display(psf, exposure=0.0, tone="log")
+
+
+def irradiance(source: Picture, exposure: float | str) -> tuple[NDArray[np.float32], float, float]:
+    """Show irradiance as it is, nothing bent: twice the light is twice the light.
+
+    Parameters
+    ----------
+    source : Picture
+        Linear.
+    exposure : float or str
+        Stops; 0 shows 1 as white. "auto" shows the brightest pixel as white.
+
+    Returns
+    -------
+    shown : ndarray of float32, shape (rows, columns, 3)
+        Ready for a screen.
+    stops : float
+        The exposure.
+    over : float
+        Part of the pixels that are brighter than white.
+    """
+    largest = picture.into_gamut(light.convert(source, "rec709").pixels[..., :3]).max(axis=2)
+    peak = float(largest.max())
+    # A ten-thousandth of room keeps rounding from calling the brightest too bright.
+    stops = -math.log2(peak * 1.0001) if exposure == "auto" and peak > 0 else 0.0
+    if exposure != "auto":
+        stops = float(exposure)
+    over = float(np.mean(largest * 2.0**stops > 1))
+    return picture.to_display(source, exposure=stops, tone="clip"), stops, over

@@ -6,6 +6,8 @@ optics      descriptions of apertures and cameras as people give them, made into
 glare       the main job: a picture with the glare that a camera adds
 starburst   a point spread function, or a kernel for another program
 aperture    an aperture drawn, with its quadtree's counts
+near_field  the light on a plane behind an opening or an obstacle
+near_sweep  the same at many distances: planes, a strip of them, a section along the axis
 measures    a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
 page        one page about a point spread function
 drawing     an aperture's quads drawn
@@ -16,6 +18,15 @@ from aureole.jobs.aperture import ApertureJob, ApertureResult
 from aureole.jobs.demo import DemoJob, DemoResult
 from aureole.jobs.glare import GlareJob, GlareResult
 from aureole.jobs.measures import PupilMeasures, pupil_measures
+from aureole.jobs.near_field import NearFieldJob, NearFieldResult
+from aureole.jobs.near_sweep import (
+    NearFrame,
+    NearSectionJob,
+    NearSectionResult,
+    NearSweepJob,
+    NearSweepResult,
+    Sweep,
+)
 from aureole.jobs.optics import Opening, Optics
 from aureole.jobs.page import check_page, write_page
 from aureole.jobs.run import finish, run
@@ -28,11 +39,19 @@ __all__ = [
     "DemoResult",
     "GlareJob",
     "GlareResult",
+    "NearFieldJob",
+    "NearFieldResult",
+    "NearFrame",
+    "NearSectionJob",
+    "NearSectionResult",
+    "NearSweepJob",
+    "NearSweepResult",
     "Opening",
     "Optics",
     "PupilMeasures",
     "StarburstJob",
     "StarburstResult",
+    "Sweep",
     "check_page",
     "finish",
     "pupil_measures",

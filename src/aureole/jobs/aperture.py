@@ -11,8 +11,7 @@ from aureole import aperture as apertures
 from aureole import diffraction, picture, refuse
 from aureole.diffraction import Quads
 from aureole.jobs.drawing import change_drawing, quadtree_drawing, wavefront_drawing
-from aureole.jobs.optics import DEFAULT_CAMERA, Opening
-from aureole.presets import load
+from aureole.jobs.optics import Opening
 from aureole.records import Aperture, Picture, Stage
 
 # A change of transmittance below one step of an 8-bit picture is none.
@@ -88,9 +87,7 @@ def run_aperture(job: ApertureJob) -> Iterator[Stage]:
     """
     refuse.at_least("size", job.size, 1)
     yield Stage(0.0, "aperture")
-    camera = load("cameras", DEFAULT_CAMERA)
-    focal_length = camera.focal_length_mm * 1e-3
-    shape = job.opening.build(job.iris or camera.iris, focal_length / camera.f_number, focal_length)
+    shape = job.opening.at_default_camera(job.iris)
     mask = apertures.rasterize(shape, job.size)
     yield Stage(0.5, "quadtree")
     quads = diffraction.quadtree(mask, shape.width, job.finest)

@@ -147,6 +147,28 @@ class Opening:
         whole = self._dirty(whole, pixels) if dirty else whole
         return self._with_wavefront(whole, pixels, f_number, radius) if bent else whole
 
+    def at_default_camera(self, iris: str | None = None) -> Aperture:
+        """Make the aperture at the size that the default camera gives it, unless `width` says another.
+
+        Parameters
+        ----------
+        iris : str, optional
+            Iris preset for what the opening leaves out; the default camera's otherwise.
+
+        Returns
+        -------
+        Aperture
+            As `build` makes it.
+
+        Raises
+        ------
+        refuse.Refusal
+            Where a value does not fit, or does not go with the shape.
+        """
+        camera: presets.CameraPreset = presets.load("cameras", DEFAULT_CAMERA)
+        focal_length = camera.focal_length_mm * 1e-3
+        return self.build(iris or camera.iris, focal_length / camera.f_number, focal_length)
+
     def _is_bent(self) -> bool:
         return bool(self.defocus or self.focus_shift or self.zernike)
 

@@ -28,6 +28,7 @@ from aureole.picture.metadata import (
     extra_channels,
     header_of,
     notes,
+    with_attributes,
     with_notes,
 )
 from aureole.picture.quality import log_psnr, psnr, ssim
@@ -68,6 +69,7 @@ __all__ = [
     "ssim",
     "to_display",
     "whole_file",
+    "with_attributes",
     "with_notes",
     "writable",
     "write",

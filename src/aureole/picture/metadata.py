@@ -241,3 +241,35 @@ def with_notes(picture: Picture, *more: str) -> Picture:
         The same pixels with the longer list.
     """
     return replace(picture, metadata={**picture.metadata, "notes": (*notes(picture), *more)})
+
+
+def with_attributes(picture: Picture, attributes: Mapping[str, Attribute]) -> Picture:
+    """Let the files of a picture say more.
+
+    Parameters
+    ----------
+    picture : Picture
+        Any picture.
+    attributes : mapping of str to Attribute
+        EXR holds all of them. "ImageDescription", a text, is held by every format but HDR.
+
+    Returns
+    -------
+    Picture
+        The same pixels with a header that has them besides what was there.
+    """
+    header = header_of(picture)
+    if header is None:
+        rows, columns, count = picture.pixels.shape
+        whole, names = Window(0, 0, columns, rows), "RGBA"[:count]
+        header = Header(
+            format="openexr",
+            data_window=whole,
+            display_window=whole,
+            channels=tuple(Channel(name, "float") for name in names),
+            colour=Colour(("R", "G", "B"), "A" if count == 4 else None),
+            colour_space=picture.colour_space,
+            compression="zip",
+        )
+    header = replace(header, attributes={**header.attributes, **attributes})
+    return replace(picture, metadata={**picture.metadata, "header": header})
