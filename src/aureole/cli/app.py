@@ -8,7 +8,7 @@ import typer
 from aureole import jobs, light, presets, refuse, units
 from aureole.cli import bench, nearfield, options, output, runs
 from aureole.cli.options import FILES, ShapeFlags
-from aureole.cli.pupil_options import PupilFlags, numbers, with_pupil_flags
+from aureole.cli.pupil_options import PupilFlags, numbers, with_flags
 
 app = typer.Typer(
     help="Add the light that a camera adds to a picture, from physics.\n\n"
@@ -33,7 +33,7 @@ def _version(
 
 
 @app.command()
-@with_pupil_flags
+@with_flags("pupil", PupilFlags)
 def glare(
     source: options.Source,
     out: options.Out,
@@ -95,7 +95,7 @@ def glare(
 
 
 @app.command()
-@with_pupil_flags
+@with_flags("pupil", PupilFlags)
 def starburst(
     out: options.Out,
     pupil: PupilFlags,
@@ -167,7 +167,7 @@ app.command()(nearfield.nearfield)
 
 
 @app.command()
-@with_pupil_flags
+@with_flags("pupil", PupilFlags)
 def aperture(
     out: options.Out,
     pupil: PupilFlags,

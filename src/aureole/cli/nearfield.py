@@ -9,10 +9,10 @@ from aureole import jobs
 from aureole.cli import near_options, near_runs, options
 from aureole.cli.near_options import PlaneFlags, SweepFlags
 from aureole.cli.options import FILES, ShapeFlags
-from aureole.cli.pupil_options import PupilFlags, with_flags, with_pupil_flags
+from aureole.cli.pupil_options import PupilFlags, with_flags
 
 
-@with_pupil_flags
+@with_flags("pupil", PupilFlags)
 @with_flags("many", SweepFlags)
 @with_flags("plane", PlaneFlags)
 def nearfield(

@@ -164,9 +164,6 @@ def with_flags(name: str, record: type) -> Callable[[Callable[..., None]], Calla
     return widened
 
 
-with_pupil_flags = with_flags("pupil", PupilFlags)
-
-
 def numbers(text: str, name: str, count: int) -> tuple[Any, ...]:
     """Read numbers that are parted by commas.
 
