@@ -188,7 +188,8 @@ ROUND = aperture.circle(WIDTH)
         ((GRID, 1.0, 0), "'wavelength' must be a finite number > 0, got 0."),
         (
             (GRID, 1.0, WAVELENGTH, "row"),
-            "'method' must be one of 'auto', 'reference', 'quads', 'rows', got 'row'. Did you mean 'rows'?",
+            "'method' must be one of 'auto', 'reference', 'polygons', 'quads', 'rows', got 'row'. "
+            "Did you mean 'rows'?",
         ),
         ((GRID, 1.0, WAVELENGTH, "rows", 0), "'size' must be an integer >= 1, got 0."),
         ((Grid((0, 8), (1.0, 1.0)), 1.0, WAVELENGTH), "'grid rows' must be an integer >= 1, got 0."),

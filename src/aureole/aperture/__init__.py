@@ -8,6 +8,7 @@ compose    union, intersection, subtraction, dimmed, scaled, moved, rotated
 dust       dust and scratches: an opening seen through dirt
 clipping   what of a ring lies within a circle, arcs kept exact
 obstructions  central discs, spider vanes, round shadows, and cat's eyes
+screens    half planes, and obstacles with nothing around them
 wavefront  wavefront errors of openings, and what pixels do to a wave
 zernike    the polynomials that wavefronts are made of
 geometry   arcs, chords, areas and moments of outlines, for the rooms above
@@ -30,6 +31,7 @@ from aureole.aperture.geometry import (
 )
 from aureole.aperture.masks import from_mask, from_picture, rasterize
 from aureole.aperture.obstructions import cats_eye, obstruction, shadow, spiders
+from aureole.aperture.screens import half_plane, obstacle
 from aureole.aperture.shapes import circle, iris, polygon, rectangle, whirl
 from aureole.aperture.wavefront import (
     bounding_radius,
@@ -60,9 +62,11 @@ __all__ = [
     "energy",
     "from_mask",
     "from_picture",
+    "half_plane",
     "intersection",
     "iris",
     "moved",
+    "obstacle",
     "obstruction",
     "orientation",
     "polygon",

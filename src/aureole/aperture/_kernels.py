@@ -33,6 +33,8 @@ def accumulate_edges(points: NDArray[np.float64], coverage: NDArray[np.float64])
             x0, y0, x1, y1 = x1, y1, x0, y0
             sign = 1.0
         slope = (x1 - x0) / (y1 - y0)
+        # From the nearer end an edge that comes from far away keeps its digits.
+        x, y = (x0, y0) if abs(y0) < abs(y1) else (x1, y1)
         top = max(0, math.floor(y0))
         bottom = min(rows, math.ceil(y1))
         for row in range(top, bottom):
@@ -42,8 +44,8 @@ def accumulate_edges(points: NDArray[np.float64], coverage: NDArray[np.float64])
             _accumulate_row(
                 coverage[row],
                 columns,
-                x0 + (low - y0) * slope,
-                x0 + (high - y0) * slope,
+                x + (low - y) * slope,
+                x + (high - y) * slope,
                 sign * (high - low),
             )
 

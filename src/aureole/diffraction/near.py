@@ -15,7 +15,7 @@ from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction.culling import check_level
 from aureole.diffraction.far import RASTER_SIZE, check_grid
-from aureole.diffraction.near_outlines import reference_outlines
+from aureole.diffraction.near_outlines import polygons_near, reference_outlines
 from aureole.diffraction.near_pixels import quads_near, reference_near, rows_near
 from aureole.diffraction.quadtree import FINEST, level_mask, quadtree
 from aureole.diffraction.rows import factor
@@ -30,6 +30,7 @@ def _reference(aperture: Aperture, *rest: Any) -> NDArray[Any]:
 
 METHODS: dict[str, Method] = {
     "reference": _reference,
+    "polygons": polygons_near,
     "quads": quads_near,
     "rows": rows_near,
 }
