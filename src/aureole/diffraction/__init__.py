@@ -16,11 +16,10 @@ autocorrelation  an opening laid over itself, shifted: pixel integrals at one wa
 fresnel     the Fresnel integrals, from tables
 corner      the corner function: what the end of a straight edge does to a wave
 near        near_field, near_power and NearOperator: Fresnel diffraction at any distance, and the chooser
-corner      the corner function: what the end of a straight edge does to a wave
-near        near_field: Fresnel diffraction on a plane at any distance, its methods, and the chooser
 near_circles the near field of circles, exact: a table near the axis, edge waves elsewhere
 near_pixels its methods for masks: products of tables of Fresnel integrals
 near_outlines  its methods for exact outlines: integrals along their boundary
+near_picture  the near field in colour, exact or by the quad paper's approximation
 measures    transfer functions, Strehl ratio, encircled energy and cut-off of a pupil
 coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals
@@ -29,6 +28,7 @@ starburst   a whole starburst over all wavelengths, point samples or pixel integ
 from aureole.diffraction.far import METHODS, check_grid, far_field, far_power
 from aureole.diffraction.measures import cutoff_frequency, encircled_energy, mtf, optical_transfer, strehl
 from aureole.diffraction.near import NearOperator, near_field, near_power
+from aureole.diffraction.near_picture import near_picture, near_picture_stages
 from aureole.diffraction.progressive import ProgressiveFarField
 from aureole.diffraction.quadtree import FINEST, Quads, difference_quads, level_mask, paint, quadtree
 from aureole.diffraction.starburst import starburst, starburst_stages
@@ -48,6 +48,8 @@ __all__ = [
     "level_mask",
     "mtf",
     "near_field",
+    "near_picture",
+    "near_picture_stages",
     "near_power",
     "optical_transfer",
     "paint",
