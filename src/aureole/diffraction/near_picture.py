@@ -254,7 +254,7 @@ class _Stretch:
         self._strength = strength
         lines = spectrum.wavelengths[[0, -1]]
         ends = lines if spectrum.kind == "lines" else light.lit_range(spectrum, *SEEN)
-        self._low, self._high = np.sort(self.scales(wavelength / np.array(ends)))
+        self._low, self._high = sorted(self.scales(wavelength / np.array(ends)).tolist())
         if self._low <= 0:
             raise refuse.Refusal(
                 f"'strength' {strength:g} scales the pattern by {self._low:g} at one end of the spectrum; "
@@ -277,12 +277,14 @@ class _Stretch:
 
     def samples(self, grid: Grid) -> int:
         """Return how many wavelengths move the pattern by about a sample from one to the next."""
-        reach = max(np.abs(axis).max() / step for axis, step in zip(grid.axes(), grid.spacing, strict=True))
+        reach = max(
+            float(np.abs(axis).max()) / step for axis, step in zip(grid.axes(), grid.spacing, strict=True)
+        )
         return min(max(FEWEST_STRETCHED, math.ceil(reach * (self._high - self._low))), MOST_STRETCHED)
 
     def _beyond(self, axis: NDArray[np.float64], step: float) -> int:
         """Return by how many samples the look-ups leave an axis, and a neighbour to interpolate with."""
-        first, last = axis[0], axis[-1]
+        first, last = float(axis[0]), float(axis[-1])
         low = min(first * self._low, first * self._high)
         high = max(last * self._low, last * self._high)
         return math.ceil(max(first - low, high - last) / step) + 2
