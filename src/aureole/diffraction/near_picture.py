@@ -254,7 +254,8 @@ class _Stretch:
         self._strength = strength
         lines = spectrum.wavelengths[[0, -1]]
         ends = lines if spectrum.kind == "lines" else light.lit_range(spectrum, *SEEN)
-        self._low, self._high = sorted(self.scales(wavelength / np.array(ends)).tolist())
+        scales = self.scales(wavelength / np.array(ends))
+        self._low, self._high = float(scales.min()), float(scales.max())
         if self._low <= 0:
             raise refuse.Refusal(
                 f"'strength' {strength:g} scales the pattern by {self._low:g} at one end of the spectrum; "
