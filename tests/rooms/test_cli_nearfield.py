@@ -62,6 +62,16 @@ def test_the_file_holds_the_librarys_irradiance(tmp_path, capsys):
     assert names(tmp_path) == ["out.exr"]
 
 
+def test_a_quarter_of_the_light_falls_on_a_straight_edges_shadow(tmp_path, capsys):
+    out = tmp_path / "edge.exr"
+    told(["--aperture", "half-plane", "--distance", "1m", "--size", "201x3", "-o", out], capsys)
+    row = picture.read(out).pixels[1, :, 0]
+    assert row[100] == pytest.approx(0.25, abs=1e-6)
+    assert row.max() == pytest.approx(1.370, abs=2e-3)
+    assert np.argmax(row) < 100
+    assert np.all(np.diff(row[100:]) < 0)
+
+
 def test_a_picture_for_people_fits_the_brightest_and_keeps_ratios(tmp_path, capsys):
     out = tmp_path / "out.png"
     report, said = told([*SLIT, *SMALL, "--fresnel-number", "4", "-o", out], capsys)
@@ -276,6 +286,11 @@ BAD = [
     ([*D, "--aperture", "circle", "--blades", "5"], "'blades' does not go with aperture 'circle'"),
     ([*D, "--blades", "2"], "'blades' must be an integer >= 3, got 2."),
     ([*D, "--defocus", "1waves", "--obstacle"], "an obstacle has no wavefront"),
+    ([*D, "--housing", "1,2"], "'housing' must be 3 numbers parted by commas, got '1,2'."),
+    ([*D, "--housing", "0,0,0"], "'housing_diameter' must be a finite number > 0, got 0."),
+    ([*D, "--aperture", "half-plane", "--width", "2mm"], "'width' does not go with aperture 'half-plane'"),
+    (["--fresnel-number", "1", "--aperture", "half-plane"], "a half plane has no width"),
+    ([*D, "--aperture", "half-plain"], "Did you mean 'half-plane'?"),
     ([*D, "--memory", "100KB"], "see --memory and --size."),
     ([*D, "--exposure", "bright"], "'exposure' must be stops such as -1.5, or auto, got 'bright'."),
     ([*D, "--exposure", "nan"], "'exposure' must be stops"),
@@ -362,6 +377,7 @@ def test_every_aperture_of_a_camera_serves(tmp_path, capsys):
         ["--aperture", "circle", "--obstruction", "30%", "--spiders", "4"],
         ["--dust", "20%", "--scratches", "5", "--seed", "3"],
         ["--aperture-picture", tmp_path / "disc.png"],
+        ["--blades", "6", "--housing", "0.3,-0.2,1"],
         ["--aperture", "whirl", "--shadow", "0.1,0,0.2"],
     ):
         more = ["--fresnel-number", "20", "--extent", "9mm", "--size", "200", "-o", tmp_path / "o.exr"]

@@ -64,6 +64,41 @@ def test_an_obstacle_and_its_opening_add_up_to_the_free_wave():
     assert "energy_through_plane" not in blocked.report
 
 
+@pytest.mark.parametrize("rotation", [0.0, 0.4, math.pi])
+def test_a_straight_edge_halves_the_amplitude_on_it(rotation):
+    """Sommerfeld: 1/4 on the edge, 1.370 at the first maximum, 0.8604 √(λz) from it on the lit side."""
+    edge = Opening(shape="half-plane", rotation=rotation)
+    step = math.sqrt(WAVELENGTH * 0.5) / 500
+    result = done(NearFieldJob(edge, distance=0.5, extent=1001 * step, shape=(1001, 1001)))
+    assert result.report["irradiance_on_axis"] == pytest.approx(0.25, abs=1e-6)
+    assert result.report["largest_irradiance"] == pytest.approx(1.3704, abs=1e-3)
+    lit = 0.8604 * 500 * np.array([-math.cos(rotation), math.sin(rotation)])
+    column, row = (round(500 + value) for value in lit)
+    assert result.irradiance[row, column] == pytest.approx(1.3704, abs=1e-3)
+    for name in ("fresnel_number", "aperture_width_m", "energy_through_plane"):
+        assert name not in result.report
+
+
+def test_behind_a_straight_edge_the_plane_is_some_fringes_wide():
+    edge = Opening(shape="half-plane")
+    report = done(NearFieldJob(edge, distance=2.0, shape=(4, 8))).report
+    assert report["plane_m"] == pytest.approx([10 * math.sqrt(WAVELENGTH * 2), 5 * math.sqrt(WAVELENGTH * 2)])
+    # As an obstacle it is the other half.
+    common = {"distance": 2.0, "extent": 1e-2, "shape": (1, 33)}
+    both = [done(NearFieldJob(edge, obstacle=o, **common)).irradiance[0] for o in (False, True)]
+    np.testing.assert_allclose(both[0], both[1][::-1], atol=1e-5)
+
+
+def test_a_cats_eye_is_what_both_circles_leave():
+    """Two circles of radius r, r apart, share r² (2π/3 − √3/2)."""
+    eye = Opening(shape="circle", width=2e-3, housing=(0.5, 0.0, 1.0))
+    report = done(NearFieldJob(eye, fresnel_number=100.0, extent=4e-3, shape=(401, 401))).report
+    share = (2 * math.pi / 3 - math.sqrt(3) / 2) * 1e-6
+    assert report["energy_through_plane"] == pytest.approx(1, abs=0.01)
+    assert report["mean_irradiance"] * 16e-6 == pytest.approx(share, rel=0.01)
+    assert report["aperture"] == "circle within a housing"
+
+
 def test_colour_where_nothing_is_in_the_way_is_white():
     """A thousandth of a millimetre blocks nothing of a plane ten metres away."""
     speck = Opening(shape="circle", width=1e-6)
@@ -230,6 +265,19 @@ BAD = [
     (NearFieldJob(distance=1.0, finest="thirds"), "'finest' must be one of 'full', 'half'"),
     (NearFieldJob(distance=1.0, colour_space="srgb"), "'colour_space' must be one of"),
     (NearFieldJob(Opening(shape="hexagon"), distance=1.0), "'aperture' must be one of 'iris', 'circle'"),
+    (
+        NearFieldJob(Opening(shape="half-plane"), fresnel_number=1.0),
+        "a half plane has no width and so no Fresnel number; give 'distance'.",
+    ),
+    (
+        NearFieldJob(Opening(shape="half-plane", dust=0.1), distance=1.0),
+        "'dust' does not go with aperture 'half-plane', which is one straight edge.",
+    ),
+    (
+        NearFieldJob(Opening(shape="half-plane"), distance=1.0, method="rows"),
+        "a half plane has no end and so no pixels; use method 'polygons'.",
+    ),
+    (NearFieldJob(Opening(housing=(2.0, 0.0, 1.0)), distance=1.0), "lets no light through."),
     (NearFieldJob(Opening(defocus=1e-7), distance=1.0, obstacle=True), "an obstacle has no wavefront"),
     (NearFieldJob(distance=1.0, shape=(100_000, 100_000)), "GB are allowed; see --memory and --size."),
     (NearSweepJob(NearFieldJob(distance=1.0), SWEEP, 3), "'distance' does not go with 'sweep'"),

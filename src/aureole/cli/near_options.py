@@ -17,7 +17,7 @@ Shape = Annotated[
     str | None,
     typer.Option(
         "--aperture",
-        help="iris, circle, rectangle, whirl or picture.",
+        help="iris, circle, rectangle, whirl, picture, or half-plane: a straight edge through the axis.",
         rich_help_panel=options.SHAPE,
     ),
 ]

@@ -50,6 +50,8 @@ def nearfield(
 
         aureole nearfield --blades 7 --width 2mm --fresnel-number 30 -o heptagon.png
 
+        aureole nearfield --aperture half-plane --distance 1m --extent 8mm -o edge.exr --preview edge.png
+
         aureole nearfield --aperture circle --width 2mm --obstacle --fresnel-number 10 -o spot.png
 
         aureole nearfield --blades 7 --fresnel-number 50 --illuminant D65 --size 1024 -o colour.exr

@@ -24,8 +24,8 @@ class PupilFlags:
     ----------
     spiders, spider_width, spider_rotation : optional
         Vanes.
-    shadow : optional
-        What stands before the lens.
+    shadow, housing : optional
+        What stands before the lens, and its rim.
     dust, dust_scale, dust_stretch, dust_angle, scratches, seed : optional
         Dirt.
     defocus, focus_shift, zernike : optional
@@ -52,6 +52,15 @@ class PupilFlags:
             "--shadow",
             help="Round shadow: x,y of its centre, y downward, and its diameter, in parts of the opening's "
             "width: 0.2,-0.1,0.5.",
+            rich_help_panel=SPIDERS,
+        ),
+    ] = None
+    housing: Annotated[
+        str | None,
+        typer.Option(
+            "--housing",
+            help="Round rim of the lens seen from off the axis, which leaves a cat's eye: x,y,diameter as of "
+            "the shadow: 0.5,0,1.2.",
             rich_help_panel=SPIDERS,
         ),
     ] = None
@@ -115,6 +124,7 @@ class PupilFlags:
             "spider_width": _length(self.spider_width, "spider-width", "0.1mm"),
             "spider_rotation": _angle(self.spider_rotation, "spider-rotation"),
             "shadow": None if self.shadow is None else numbers(self.shadow, "shadow", 3),
+            "housing": None if self.housing is None else numbers(self.housing, "housing", 3),
             "dust": None if self.dust is None else ratio(self.dust, "dust"),
             "dust_scale": _length(self.dust_scale, "dust-scale", "0.2mm"),
             "dust_stretch": self.dust_stretch,

@@ -58,6 +58,8 @@ class Opening:
         Direction of the first vane, radians, counter-clockwise as seen.
     shadow : tuple of float, optional
         A round shadow's centre (x, y), y downward, and diameter, in parts of the opening's width.
+    housing : tuple of float, optional
+        The lens's round rim, which cuts the opening to a cat's eye: centre and diameter as of a shadow.
     dust : float, optional
         Part of the opening that dust touches, 0 to 1.
     dust_scale : float, optional
@@ -88,6 +90,7 @@ class Opening:
     spider_width: float | None = None
     spider_rotation: float | None = None
     shadow: tuple[float, float, float] | None = None
+    housing: tuple[float, float, float] | None = None
     dust: float | None = None
     dust_scale: float | None = None
     dust_stretch: float | None = None
@@ -136,6 +139,9 @@ class Opening:
             whole = apertures.obstruction(whole, obstruction)
         # What comes now must not move the disc on which the wavefront stands.
         radius = apertures.bounding_radius(whole)
+        if self.housing is not None:
+            x, y, diameter = (part * whole.width for part in self.housing)
+            whole = apertures.cats_eye(whole, diameter, (x, y))
         if self.shadow is not None:
             x, y, diameter = (part * whole.width for part in self.shadow)
             whole = apertures.shadow(whole, x, y, diameter)
