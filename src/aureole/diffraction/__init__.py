@@ -20,6 +20,7 @@ near_circles the near field of circles, exact: a table near the axis, edge waves
 near_pixels its methods for masks: products of tables of Fresnel integrals
 near_outlines  its methods for exact outlines: integrals along their boundary
 near_picture  the near field in colour, exact or by the quad paper's approximation
+ringing     ringing textures: the near field of a lens's stop, for ghosts
 measures    transfer functions, Strehl ratio, encircled energy and cut-off of a pupil
 coherence   all wavelengths of a straight-edged opening at once, in closed form
 starburst   a whole starburst over all wavelengths, point samples or pixel integrals
@@ -31,6 +32,7 @@ from aureole.diffraction.near import NearOperator, near_field, near_power
 from aureole.diffraction.near_picture import near_picture, near_picture_stages
 from aureole.diffraction.progressive import ProgressiveFarField
 from aureole.diffraction.quadtree import FINEST, Quads, difference_quads, level_mask, paint, quadtree
+from aureole.diffraction.ringing import RingingTexture, ringing_texture
 from aureole.diffraction.starburst import starburst, starburst_stages
 
 __all__ = [
@@ -39,6 +41,7 @@ __all__ = [
     "NearOperator",
     "ProgressiveFarField",
     "Quads",
+    "RingingTexture",
     "check_grid",
     "cutoff_frequency",
     "difference_quads",
@@ -54,6 +57,7 @@ __all__ = [
     "optical_transfer",
     "paint",
     "quadtree",
+    "ringing_texture",
     "starburst",
     "starburst_stages",
     "strehl",
