@@ -112,6 +112,20 @@ def test_colour_is_neutral_where_nothing_is_in_the_way_and_not_at_fringes(tmp_pa
     np.testing.assert_allclose(pixels[32, 32], 1, atol=0.02)
 
 
+def test_colour_may_be_approximate(tmp_path, capsys):
+    """One pattern, slightly scaled: the middle is nearly grey, and the energy stays."""
+    pixels = {}
+    for spectral in ("exact", "approximate"):
+        out = tmp_path / f"{spectral}.exr"
+        words = [*SLIT, "--size", "128", "--illuminant", "E", "--samples", "20", "--fresnel-number", "8"]
+        report, _ = told([*words, "--spectral", spectral, "-o", out], capsys)
+        assert report["spectral"] == spectral
+        pixels[spectral] = picture.read(out).pixels
+    np.testing.assert_allclose(pixels["approximate"].mean(), pixels["exact"].mean(), rtol=0.05)
+    spread = {name: np.ptp(value[56:72, 56:72], axis=2).mean() for name, value in pixels.items()}
+    assert spread["approximate"] < 0.5 * spread["exact"]
+
+
 def test_the_amplitude_for_numpy(tmp_path, capsys):
     out, npz = tmp_path / "out.exr", tmp_path / "field.npz"
     report, _ = told([*SLIT, *SMALL, "--distance", "0.5m", "-o", out, "--amplitude", npz], capsys)

@@ -124,6 +124,23 @@ def test_colour_is_the_sum_of_its_wavelengths():
     assert np.ptp(result.picture.pixels, axis=2).max() > 0.1
 
 
+@pytest.mark.parametrize("spectral", ["exact", "approximate"])
+def test_colour_is_the_librarys(spectral):
+    common = {"illuminant": "A", "samples": 7, "distance": 0.3, "extent": 3e-3, "shape": (11, 12)}
+    result = done(NearFieldJob(SLIT, spectral=spectral, method="polygons", **common))
+    shape, lamp = aperture.rectangle(2e-3, 1e-3), light.illuminant("A")
+    xyz = diffraction.near_picture(shape, result.grid, 0.3, lamp, spectral, 7, field_method="polygons")
+    np.testing.assert_array_equal(result.irradiance, xyz.pixels[..., 1])
+    np.testing.assert_allclose(result.picture.pixels, light.convert(xyz, "rec709").pixels, atol=1e-6)
+    assert result.report["spectral"] == spectral
+
+
+def test_colour_round_an_obstacle_of_edges_is_that_round_its_pixels():
+    common = {"obstacle": True, "illuminant": "D65", "samples": 4, "distance": 0.4, "shape": (16, 17)}
+    found = [done(NearFieldJob(SLIT, method=name, **common)) for name in ("polygons", "rows")]
+    np.testing.assert_allclose(found[0].picture.pixels, found[1].picture.pixels, atol=2e-4)
+
+
 def test_a_line_is_one_wavelength():
     found = done(NearFieldJob(SLIT, illuminant="line:633nm", distance=0.3, shape=(8, 8)))
     wanted = done(NearFieldJob(SLIT, wavelength=633e-9, distance=0.3, shape=(8, 8)))
@@ -261,6 +278,10 @@ BAD = [
     (NearFieldJob(distance=1.0, illuminant="E", cull=1e-6), "'cull' is for one wavelength"),
     (NearFieldJob(distance=1.0, illuminant="E", amplitude=True), "'amplitude' is for one wavelength"),
     (NearFieldJob(distance=1.0, cull=1e-6, obstacle=True), "'cull' does not go with 'obstacle'"),
+    (
+        NearFieldJob(Opening(dust=0.1), distance=1.0, obstacle=True, illuminant="E", spectral="approximate"),
+        "'approximate' does not serve an obstacle of pixels",
+    ),
     (NearFieldJob(distance=1.0, method="row"), "Did you mean 'rows'?"),
     (NearFieldJob(distance=1.0, finest="thirds"), "'finest' must be one of 'full', 'half'"),
     (NearFieldJob(distance=1.0, colour_space="srgb"), "'colour_space' must be one of"),

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import diffraction, light, picture, refuse, units
+from aureole.diffraction.near_picture import METHODS as SPECTRAL
+from aureole.diffraction.near_picture import wavelengths_needed
 from aureole.jobs import optics
 from aureole.jobs.optics import Opening
 from aureole.records import Aperture, Field, Grid, Picture, Spectrum, Stage
@@ -20,8 +22,6 @@ SHAPES = (*optics.SHAPES, HALF_PLANE)
 EXACT_METHODS = ("auto", "polygons", "reference")
 # Of no effect on its light: it ends a thousand million of these away.
 HALF_PLANE_WIDTH = 1e-3
-SPECTRAL = ("exact", "approximate")
-SAMPLES = 60
 WAVELENGTH = 550e-9
 # The plane is so many widths of the opening wide; behind a half plane, which has none, so many √(λz).
 WIDTHS, FRINGES = 2.0, 10.0
@@ -417,10 +417,31 @@ def _squared(values: NDArray[np.complexfloating]) -> NDArray[np.float32]:
 
 def _colours(plane: NearPlane, distance: float, lamp: Spectrum) -> Iterator[Stage]:
     """Make the plane in XYZ."""
+    job, aperture = plane.setup.job, plane.setup.aperture
+    if job.obstacle:
+        if aperture.mask is not None or plane.operator.method not in EXACT_METHODS:
+            yield from _colours_round_pixels(plane, distance, lamp)
+            return
+        aperture = apertures.obstacle(aperture)
+    yield from diffraction.near_picture_stages(
+        aperture,
+        plane.grid,
+        distance,
+        lamp,
+        job.spectral,
+        job.samples,
+        finest=job.finest,
+        field_method=plane.operator.method,
+    )
+
+
+def _colours_round_pixels(plane: NearPlane, distance: float, lamp: Spectrum) -> Iterator[Stage]:
+    """Make the plane in XYZ for an obstacle of pixels, from the amplitude of each wavelength."""
     job = plane.setup.job
     if job.spectral == "approximate":
-        raise refuse.Refusal("spectral 'approximate' does not serve yet; use 'exact'.")
-    wavelengths, weights = light.quadrature(lamp, job.samples or SAMPLES)
+        raise refuse.Refusal("spectral 'approximate' does not serve an obstacle of pixels; use 'exact'.")
+    samples = job.samples or wavelengths_needed(plane.setup.aperture, plane.grid, distance, WAVELENGTH)
+    wavelengths, weights = light.quadrature(lamp, samples)
     total = np.zeros((*plane.grid.shape, 3), dtype=np.float32)
     for index, (wavelength, weight) in enumerate(zip(wavelengths, weights, strict=True)):
         yield Stage(index / len(wavelengths), f"near field at {wavelength * 1e9:.0f} nm")
