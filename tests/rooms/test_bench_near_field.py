@@ -244,6 +244,19 @@ def test_table_4_times_every_shape_and_the_discrete_ways(tables):
         assert all(row[f"{key}_ms"] > 0 for key in ("mask", "fractional", "discrete", "framed"))
 
 
+def test_outlines_that_would_take_too_long_are_left_out():
+    """Half the side is a quarter of the time; what was left out once stays out."""
+    assert near_table._patient([]) == list(shapes.OUTLINES)
+    limit = near_table.OUTLINE_PATIENCE_MS
+    rows = [
+        {"aperture": "box", "outline_ms": 0.24 * limit},
+        {"aperture": "circle", "outline_ms": 0.26 * limit},
+        {"aperture": "heptagon"},
+        {"aperture": "whirl", "outline_ms": 0.01 * limit},
+    ]
+    assert near_table._patient(rows) == ["box", "whirl"]
+
+
 def test_figure_6_loses_a_little_with_each_level(tables):
     rows = tables[2]["figure-6"]
     for number in near_levels.FRESNEL_NUMBERS:
@@ -270,8 +283,18 @@ def test_the_shadow_of_figure_6_covers_a_part():
 def test_growth_is_the_ratio_of_its_rows(tables):
     first, second, third = tables[2]["growth"]
     assert (first["places"], second["places"], third["places"]) == (64, 128, 256)
-    assert second["mask_growth"] == pytest.approx(second["mask_ms"] / first["mask_ms"])
-    assert third["mask_growth"] == pytest.approx(third["mask_ms"] / second["mask_ms"])
+    assert second["growth"] == pytest.approx(second["median_ms"] / first["median_ms"])
+    assert third["growth"] == pytest.approx(third["median_ms"] / second["median_ms"])
+
+
+def test_colour_in_one_call_is_the_sum_of_its_wavelengths(tables):
+    fields, powers, exact, approximate = tables[2]["colour"]
+    assert fields["part"] == exact["gain"] == 1
+    assert fields["difference"] == 0
+    assert max(powers["difference"], exact["difference"]) < 1e-5
+    assert 1e-4 < approximate["difference"] < 0.1
+    assert approximate["gain"] == pytest.approx(exact["median_ms"] / approximate["median_ms"])
+    assert exact["part"] == pytest.approx(exact["median_ms"] / fields["median_ms"])
 
 
 def test_libraries_that_are_there_are_measured_and_the_others_are_missed(tables):
@@ -347,6 +370,7 @@ def test_a_planes_places_are_its_pixels_middles(size, middle):
 
 def test_tables_fit_a_hundred_columns(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr(near_table, "OUTLINE_PATIENCE_MS", 300)
     assert run(["bench", "near-field", "--size", "256", "--runs", "1", "--only", "table-4"]) == 0
     said = capsys.readouterr()
     lines = said.out.splitlines()

@@ -1,10 +1,12 @@
-"""The near field, measured here: the quad paper's table and figure, other libraries, growth."""
+"""The near field, measured here: the quad paper's table and figure, other libraries, growth, colour."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from aureole import refuse
 from aureole.bench import timing
+from aureole.bench.near_colour import SIZE as COLOUR_SIZE
+from aureole.bench.near_colour import colours
 from aureole.bench.near_growth import growth
 from aureole.bench.near_levels import figure_6
 from aureole.bench.near_peers import PEERS, near_peers
@@ -12,7 +14,7 @@ from aureole.bench.near_table import table_4
 from aureole.bench.quad_paper import FIGURE_SIZE, SIZES, SMALLEST
 from aureole.records import Stage
 
-TASKS = ("table-4", "figure-6", "peers", "growth")
+TASKS = ("table-4", "figure-6", "peers", "growth", "colour")
 CHOICES = (*TASKS, *(peer.PACKAGE.lower() for peer in PEERS))
 
 
@@ -24,12 +26,12 @@ class NearFieldBench:
     ----------
     size : int
         Pixels on each side in the table's last rows, a power of two; the others halve it, down to 32.
-        Everything else is of this size, 1024 at most.
+        Everything else is of this size, 1024 at most, and colour 512.
     runs : int
         How often each is timed.
     only : tuple of str
-        Tasks (table-4, figure-6, peers, growth) and peers (scipy, diffractsim, lightpipes) to keep; all
-        tasks where none is named, and all peers where none is.
+        Tasks (table-4, figure-6, peers, growth, colour) and peers (scipy, diffractsim, lightpipes) to keep;
+        all tasks where none is named, and all peers where none is.
     """
 
     size: int = 4096
@@ -69,6 +71,7 @@ def run_near_field(bench: NearFieldBench) -> Iterator[Stage]:
         "figure-6": lambda: figure_6(side, runs),
         "peers": lambda: near_peers(side, runs, peers),
         "growth": lambda: growth(side, runs),
+        "colour": lambda: colours(min(side, COLOUR_SIZE), runs),
     }
     wanted = [task for task in TASKS if task in bench.only]
     if not wanted:

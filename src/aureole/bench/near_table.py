@@ -9,7 +9,6 @@ from aureole.bench.convolved import transfer_function
 from aureole.bench.fractional import fractional_near
 from aureole.bench.report import Column, Table
 from aureole.bench.timing import Task, alternate
-from aureole.diffraction.near import METHODS
 from aureole.records import Grid, Stage
 
 SIZES = (256, 512, 1024, 2048, 4096)
@@ -26,6 +25,8 @@ PRINTED_MS = {
 WIDTH, WAVELENGTH, FRESNEL_NUMBER = 1.0, 1.0, 100.0
 DISTANCE = (0.5 * shapes.HALF * WIDTH) ** 2 / (WAVELENGTH * FRESNEL_NUMBER)
 OUTLINES = "polygons"
+# An exact outline is left out where it would take longer, four times as long as at half the size.
+OUTLINE_PATIENCE_MS = 1e4
 # So far the paper could pad eight times, and so far it is done here.
 FRAMED, FRAME = 1024, 8
 FRACTIONAL, DISCRETE, EIGHT = "fractional", "discrete", "discrete, 8x"
@@ -44,7 +45,8 @@ COLUMNS = (
 NOTES = (
     "Milliseconds. Shapes across half of the mask, as many places on the plane as pixels, as far apart; "
     f"Fresnel number {FRESNEL_NUMBER:g} (the paper does not say its own). mask: the irradiance of a mask of "
-    "so many pixels. outline: that of the exact outline.",
+    "so many pixels. outline: that of the exact outline, where it takes less than "
+    f"{OUTLINE_PATIENCE_MS / 1e3:g} s.",
     "fractional: the discrete fractional Fourier transform in complex64 (Ozaktas et al. 1996), on its own "
     "wider plane. FFT: convolution with the transfer function in frames of zeros twice and eight times as "
     "wide. Neither depends on the shape.",
@@ -70,12 +72,20 @@ def table_4(sizes: Sequence[int], runs: int) -> Iterator[Stage]:
     """
     rows: list[dict[str, Any]] = []
     for index, size in enumerate(sizes):
-        for stage in _of_size(size, runs, rows):
+        for stage in _of_size(size, runs, _patient(rows), rows):
             yield Stage((index + stage.fraction) / len(sizes), stage.label)
     yield Stage(1.0, "near fields", (Table("table-4", "Table 4: near fields", COLUMNS, tuple(rows), NOTES),))
 
 
-def _of_size(size: int, runs: int, rows: list[dict[str, Any]]) -> Generator[Stage, None, None]:
+def _patient(rows: Sequence[dict[str, Any]]) -> list[str]:
+    """Return the shapes whose exact outline is not too slow, going by the size before."""
+    last = {row["aperture"]: row.get("outline_ms", OUTLINE_PATIENCE_MS) for row in rows}
+    return [name for name in shapes.OUTLINES if 4 * last.get(name, 0) < OUTLINE_PATIENCE_MS]
+
+
+def _of_size(
+    size: int, runs: int, outlines: Sequence[str], rows: list[dict[str, Any]]
+) -> Generator[Stage, None, None]:
     """Time everything at one size in turn and append the shapes' rows."""
     yield Stage(0.0, f"masks of {size}²")
     grid = Grid((size, size), (WIDTH / size, WIDTH / size))
@@ -83,7 +93,7 @@ def _of_size(size: int, runs: int, rows: list[dict[str, Any]]) -> Generator[Stag
     for name in shapes.OUTLINES:
         opening, outline = shapes.raster(name, size), shapes.outline(name)
         tasks[f"{name}, mask"] = lambda opening=opening: _power(opening, grid)  # type: ignore[misc]
-        if OUTLINES in METHODS:
+        if name in outlines:
             tasks[f"{name}, outline"] = lambda outline=outline: _power(outline, grid, OUTLINES)  # type: ignore[misc]
     mask = shapes.mask("heptagon", size)
     tasks[FRACTIONAL] = lambda: fractional_near(mask, WIDTH, DISTANCE, WAVELENGTH)

@@ -96,7 +96,7 @@ def near_field(
 
     The paper's times are a GeForce GTX 1080 Ti's; its discrete rivals are measured here as well. The
     libraries come with `pip install 'aureole[bench]'`. Names for --only: table-4, figure-6, peers, growth,
-    scipy, diffractsim, lightpipes; a library alone means peers.
+    colour, scipy, diffractsim, lightpipes; a library alone means peers.
 
     Examples:
 
