@@ -8,12 +8,11 @@ import pytest
 from aureole import Grid, aperture, refuse
 from aureole.diffraction import NearOperator, level_mask, near_field, near_power
 from aureole.diffraction.fresnel import fresnel_integrals
-from aureole.diffraction.near import METHODS
 from aureole.records import Aperture
 
 WIDTH = 2e-3
 WAVELENGTH = 550e-9
-OF_PIXELS = [name for name in METHODS if name != "polygons"]
+OF_PIXELS = ["reference", "quads", "rows"]  # on any plane
 FAST = [name for name in OF_PIXELS if name != "reference"]
 ABSOLUTE = 3e-6  # where nothing blocks the wave the field is 1
 SHAPES = {
@@ -159,19 +158,70 @@ def test_a_wavefront_is_a_phase():
     grid, distance = Grid((9, 9), (2e-5, 2e-5)), distance_at(2.0)
     plain = near_field(shape, grid, distance, WAVELENGTH, "reference").amplitude
     flat = Aperture(WIDTH, mask=shape.mask, wavefront=np.full((64, 64), WAVELENGTH / 4, dtype=np.float32))
-    turned = near_field(flat, grid, distance, WAVELENGTH).amplitude
-    np.testing.assert_allclose(turned, 1j * plain, atol=1e-6)
+    for method in ("auto", "reference", "rows"):
+        turned = near_field(flat, grid, distance, WAVELENGTH, method).amplitude
+        np.testing.assert_allclose(turned, 1j * plain, rtol=0, atol=ABSOLUTE)
     x = (np.arange(64) + 0.5) / 64 * WIDTH - WIDTH / 2
     bent = -(x[:, None] ** 2 + x**2) / (2 * distance)
     lens = Aperture(WIDTH, mask=shape.mask, wavefront=bent.astype(np.float32))
     focus = near_field(lens, grid, distance, WAVELENGTH).amplitude
     area = float(shape.mask.sum()) * (WIDTH / 64) ** 2
     assert np.abs(focus[4, 4]) == pytest.approx(area / (WAVELENGTH * distance), rel=0.01)
-    for method in FAST:
-        with refused(
-            f"method '{method}' takes real transmittances and this aperture has a wavefront; use 'reference'."
-        ):
-            near_field(flat, grid, distance, WAVELENGTH, method)
+    with refused("method 'quads' takes real transmittances and this aperture has a wavefront; use 'rows'."):
+        near_field(flat, grid, distance, WAVELENGTH, "quads")
+
+
+PIXEL = WIDTH / 24
+ON_LATTICE = [
+    Grid((24, 24), (PIXEL, PIXEL)),
+    Grid((1, 1), (PIXEL, PIXEL), (0.3 * PIXEL, -7.7 * PIXEL)),
+    Grid((33, 50), (PIXEL, PIXEL), (0.11e-3, -0.4e-3)),
+    Grid((9, 14), (3 * PIXEL, 2 * PIXEL), (0.0, 0.2e-3)),
+    Grid((31, 20), (PIXEL / 2, PIXEL / 8), (-1e-3, 0.0)),
+    Grid((7, 60), (5 * PIXEL, PIXEL / 3)),
+    Grid((5, 6), (PIXEL, PIXEL), (0.1, -0.2)),
+]
+
+
+@pytest.mark.parametrize("method", ["fft", "rows", "auto"])
+@pytest.mark.parametrize("grid", ON_LATTICE)
+def test_places_on_a_lattice_of_pixels(method, grid):
+    values = np.random.default_rng(6).random((24, 24))
+    values[5:9] = 0
+    wavefront = (1e-7 * np.random.default_rng(7).random((24, 24))).astype(np.float32)
+    for shape in (
+        aperture.from_mask(values, WIDTH),
+        Aperture(WIDTH, mask=values.astype(np.float32), wavefront=wavefront),
+    ):
+        for number in (1e-3, 3.0, 1000.0):
+            wanted = near_field(shape, grid, distance_at(number), WAVELENGTH, "reference").amplitude
+            found = near_field(shape, grid, distance_at(number), WAVELENGTH, method).amplitude
+            assert found.dtype == np.complex64
+            atol = ABSOLUTE * min(1.0, 10 * number)
+            np.testing.assert_allclose(found, wanted, rtol=0, atol=atol)
+            power = near_power(shape, grid, distance_at(number), WAVELENGTH, method)
+            assert power.dtype == np.float32
+            np.testing.assert_allclose(power, np.abs(wanted) ** 2, rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("spacing", [1.5, 0.7, 1 / 9, 1e-9, 1.0001])
+def test_places_off_the_lattice_are_refused_by_the_convolution(spacing):
+    shape = aperture.from_mask(SHAPES["whirl"], WIDTH)
+    grid = Grid((20, 20), (WIDTH / 64, spacing * WIDTH / 64))
+    with refused(
+        "method 'fft' needs places a whole number of pixels apart, or a whole number to a pixel; use 'rows'."
+    ):
+        near_field(shape, grid, 0.1, WAVELENGTH, "fft")
+
+
+def test_a_dense_mask_on_its_own_lattice_is_convolved():
+    """Its rows are all different, and none is the mirror image of another."""
+    dense = aperture.from_mask(np.random.default_rng(8).random((512, 512)), WIDTH)
+    box = aperture.from_mask(np.ones((512, 512)), WIDTH)
+    grid = Grid((512, 512), (WIDTH / 512, WIDTH / 512))
+    assert NearOperator(box, grid).method == "rows"
+    assert NearOperator(dense, Grid(grid.shape, grid.spacing, (1e-5, 1e-5))).method == "fft"
+    assert NearOperator(dense, Grid(grid.shape, (1.3e-6, 1.3e-6))).method == "rows"
 
 
 GRID = Grid((8, 8), (1e-4, 1e-4))
@@ -188,7 +238,7 @@ ROUND = aperture.circle(WIDTH)
         ((GRID, 1.0, 0), "'wavelength' must be a finite number > 0, got 0."),
         (
             (GRID, 1.0, WAVELENGTH, "row"),
-            "'method' must be one of 'auto', 'reference', 'polygons', 'quads', 'rows', got 'row'. "
+            "'method' must be one of 'auto', 'reference', 'polygons', 'quads', 'rows', 'fft', got 'row'. "
             "Did you mean 'rows'?",
         ),
         ((GRID, 1.0, WAVELENGTH, "rows", 0), "'size' must be an integer >= 1, got 0."),

@@ -11,6 +11,7 @@ culling     its power where it may exceed a level, zero elsewhere
 chirpz      chirp-z transform and FFT of a mask, times the pixel's sinc
 cosines     cosine and sine transforms of a folded mask, where a real FFT would do more than is needed
 polygons    the far field of exact outlines, straight edges, arcs and circles
+changes     a running field of an aperture that changes: what the next two share
 progressive the far field of an aperture that changes, from the change alone
 autocorrelation  an opening laid over itself, shifted: pixel integrals at one wavelength
 fresnel     the Fresnel integrals, from tables
@@ -18,6 +19,8 @@ corner      the corner function: what the end of a straight edge does to a wave
 near        near_field, near_power and NearOperator: Fresnel diffraction at any distance, and the chooser
 near_circles the near field of circles, exact: a table near the axis, edge waves elsewhere
 near_pixels its methods for masks: products of tables of Fresnel integrals
+near_progressive the near field of an aperture that changes
+near_fft    its convolution, where the plane's places have the pixels' pitch
 near_outlines  its methods for exact outlines: integrals along their boundary
 near_picture  the near field in colour, exact or by the quad paper's approximation
 ringing     ringing textures: the near field of a lens's stop, for ghosts
@@ -30,6 +33,7 @@ from aureole.diffraction.far import METHODS, check_grid, far_field, far_power
 from aureole.diffraction.measures import cutoff_frequency, encircled_energy, mtf, optical_transfer, strehl
 from aureole.diffraction.near import NearOperator, near_field, near_power
 from aureole.diffraction.near_picture import near_picture, near_picture_stages
+from aureole.diffraction.near_progressive import ProgressiveNearField
 from aureole.diffraction.progressive import ProgressiveFarField
 from aureole.diffraction.quadtree import FINEST, Quads, difference_quads, level_mask, paint, quadtree
 from aureole.diffraction.ringing import RingingTexture, ringing_texture
@@ -40,6 +44,7 @@ __all__ = [
     "METHODS",
     "NearOperator",
     "ProgressiveFarField",
+    "ProgressiveNearField",
     "Quads",
     "RingingTexture",
     "check_grid",

@@ -1,4 +1,4 @@
-"""Compiled loops of the near field: Fresnel integrals, tables of them, and putting parities together.
+"""Compiled loops of the near field: Fresnel integrals, and tables of them.
 
 E(x) = C(x) + i S(x) = (1 + i) / 2 − w(x) exp(iπx²/2) for x ≥ 0. The factor w is smooth: up to LAST it is
 a Taylor polynomial about the nearest of many nodes, beyond that its asymptotic series.
@@ -122,8 +122,8 @@ def interval_factors(table: C128, low: NDArray[np.int64], high: NDArray[np.int64
     low, high : ndarray of int64, shape (K,)
         Edges at which each interval starts and ends.
     out : ndarray of float32, shape (2, K, 2 M)
-        Half the sum and half the difference of an interval's field and its mirror image's: real parts,
-        then imaginary ones.
+        Half the sum and half the difference of an interval's field and its mirror image's: real and
+        imaginary parts in turn.
     """
     count = table.shape[2]
     for k in numba.prange(len(low)):
@@ -131,45 +131,5 @@ def interval_factors(table: C128, low: NDArray[np.int64], high: NDArray[np.int64
         for j in range(count):
             there, back = end[0, j] - start[0, j], end[1, j] - start[1, j]
             even, odd = 0.5 * (there + back), 0.5 * (there - back)
-            out[0, k, j], out[0, k, count + j] = even.real, even.imag
-            out[1, k, j], out[1, k, count + j] = odd.real, odd.imag
-
-
-@numba.njit(cache=True, parallel=True)
-def unfold(
-    products: F32, present: NDArray[np.bool_], middle: tuple[int, int], out: NDArray[np.complex64]
-) -> None:
-    """Fill a near field from those of its even and odd parts.
-
-    Parameters
-    ----------
-    products : ndarray of float32, shape (4, 2 P, 2 Q)
-        Even, odd along x, odd along y, odd along both; real and imaginary rows by real and imaginary
-        columns.
-    present : ndarray of bool, shape (4,)
-        Which parts are not zero.
-    middle : tuple of int
-        Row and column at the plane's origin, where only places from there on were computed, else −1.
-    out : ndarray of complex64, shape (rows, columns)
-        Filled with −i/2 times the sum.
-    """
-    rows, columns = out.shape
-    p, q = products.shape[1] // 2, products.shape[2] // 2
-    middle_y, middle_x = middle
-    half = np.float32(0.5)
-    for i in numba.prange(rows):
-        row = np.int64(i)
-        a = row if middle_y < 0 else abs(row - middle_y)
-        line = out[i]
-        line[:] = 0
-        for part in range(4):
-            if not present[part]:
-                continue
-            sign_y = -half if part >= 2 and middle_y > row else half
-            upper, lower = products[part, a], products[part, p + a]
-            for j in range(columns):
-                b = j if middle_x < 0 else abs(j - middle_x)
-                sign = -sign_y if part % 2 and middle_x > j else sign_y
-                real = upper[b] - lower[q + b]
-                imaginary = upper[q + b] + lower[b]
-                line[j] += complex(sign * imaginary, -sign * real)
+            out[0, k, 2 * j], out[0, k, 2 * j + 1] = even.real, even.imag
+            out[1, k, 2 * j], out[1, k, 2 * j + 1] = odd.real, odd.imag

@@ -178,7 +178,7 @@ def _culled(aperture: Aperture, grid: Grid, level: float) -> NDArray[Any]:
     assert aperture.mask is not None
     size = len(aperture.mask)
     name, seconds = _rival(aperture, grid)
-    rows, columns = _computed(grid)
+    rows, columns = computed(grid)
     factors = factor(aperture.mask)
     # The test takes two products of thin matrices a tile and axis.
     whole, test = (multiplications(factors, count, columns) for count in (rows, 4 * rows // culling.TILE))
@@ -253,7 +253,7 @@ def _fastest(aperture: Aperture, grid: Grid) -> tuple[str, list[Factor] | None]:
     assert aperture.mask is not None
     size = len(aperture.mask)
     rival, seconds = _rival(aperture, grid)
-    rows, columns = _computed(grid)
+    rows, columns = computed(grid)
     half = (size + 1) // 2
     if _rows_seconds(size, 4 * half * columns * (rows + half), grid) <= seconds:
         return "rows", None
@@ -279,8 +279,19 @@ def _rival(aperture: Aperture, grid: Grid) -> tuple[str, float]:
     return name, rivals[name]
 
 
-def _computed(grid: Grid) -> tuple[int, int]:
-    """Return how many rows and columns of frequencies 'rows' computes; the others mirror them."""
+def computed(grid: Grid) -> tuple[int, int]:
+    """Return how many rows and columns 'rows' computes; the others mirror them.
+
+    Parameters
+    ----------
+    grid : Grid
+        Any.
+
+    Returns
+    -------
+    tuple of int
+        About half as many as the grid has along an axis centred on zero.
+    """
     rows, columns = (
         count // 2 + 1 if centre == 0 else count
         for count, centre in zip(grid.shape, grid.centre, strict=True)

@@ -15,6 +15,7 @@ from scipy import special
 from aureole import refuse
 from aureole.diffraction import _kernels_fresnel
 from aureole.diffraction._kernels_fresnel import LAST, NODES
+from aureole.diffraction._kernels_near import DEGREE, MIDDLE
 
 
 def fresnel_integrals(x: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -62,5 +63,26 @@ def taylor_table() -> NDArray[np.float64]:
         coefficients.append(-1j * np.pi * (x * coefficients[k] + coefficients[k - 1]) / (k + 1))
     stacked = np.stack(coefficients, axis=1)
     table = np.ascontiguousarray(np.hstack([stacked.real, stacked.imag]))
+    table.setflags(write=False)
+    return table
+
+
+@lru_cache(maxsize=1)
+def decay_polynomial() -> NDArray[np.float64]:
+    """Return (x + MIDDLE) w(x) for x ≥ 0 as one polynomial of (x − MIDDLE) / (x + MIDDLE), to 1e-10.
+
+    Returns
+    -------
+    ndarray of float64, shape (2, DEGREE + 1)
+        Coefficients of the real and of the imaginary part, powers ascending. Read only.
+    """
+    chebyshev = np.polynomial.chebyshev
+    t = chebyshev.chebpts1(16 * DEGREE)
+    x = MIDDLE * (1 + t) / (1 - t)
+    # w is Faddeeva's function on a diagonal of the complex plane (Abramowitz and Stegun, 7.3.22).
+    values = (x + MIDDLE) * (0.5 + 0.5j) * special.wofz(0.5 * np.sqrt(np.pi) * (1 + 1j) * x)
+    fitted = (chebyshev.chebfit(t, part, DEGREE) for part in (values.real, values.imag))
+    table = np.empty((2, DEGREE + 1))
+    table[:] = [chebyshev.cheb2poly(each) for each in fitted]
     table.setflags(write=False)
     return table

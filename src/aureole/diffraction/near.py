@@ -14,11 +14,19 @@ from numpy.typing import NDArray
 from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction.culling import check_level
-from aureole.diffraction.far import RASTER_SIZE, check_grid
+from aureole.diffraction.far import RASTER_SIZE, check_grid, computed
+from aureole.diffraction.near_fft import fft_near, fft_near_power, lattice, lengths
 from aureole.diffraction.near_outlines import polygons_near, reference_outlines
-from aureole.diffraction.near_pixels import quads_near, reference_near, rows_near
+from aureole.diffraction.near_pixels import (
+    quads_near,
+    quads_near_power,
+    reference_near,
+    rows_near,
+    rows_near_power,
+    used_edges,
+)
 from aureole.diffraction.quadtree import FINEST, level_mask, quadtree
-from aureole.diffraction.rows import factor
+from aureole.diffraction.rows import Factor, factor, multiplications
 from aureole.records import Aperture, Field, Grid
 
 Method = Callable[..., NDArray[Any]]
@@ -33,13 +41,19 @@ METHODS: dict[str, Method] = {
     "polygons": polygons_near,
     "quads": quads_near,
     "rows": rows_near,
+    "fft": fft_near,
 }
-OF_PIXELS = ("quads", "rows")
-OF_WAVEFRONTS = ("reference",)
+POWERS: dict[str, Method] = {"quads": quads_near_power, "rows": rows_near_power, "fft": fft_near_power}
+OF_PIXELS = ("quads", "rows", "fft")
+OF_WAVEFRONTS = ("reference", "rows", "fft")
+# Seconds a call and a unit of work, as `rows_work` and `fft_work` list them, fitted by
+# benchmarks/near_field.py on two cores.
+ROWS_COSTS = (8e-4, 2.5e-9, 2e-11, 2.7e-9)
+FFT_COSTS = (8e-4, 1.4e-8)
 # What a method finds in an aperture, whatever the distance and the wavelength.
-PREPARATIONS: dict[str, Callable[[Aperture, Grid], dict[str, Any]]] = {
-    "quads": lambda aperture, grid: {"quads": quadtree(_mask_of(aperture), aperture.width)},
-    "rows": lambda aperture, grid: {"factors": factor(_mask_of(aperture))},
+PREPARATIONS: dict[str, Callable[[Aperture], dict[str, Any]]] = {
+    "quads": lambda aperture: {"quads": quadtree(_mask_of(aperture), aperture.width)},
+    "rows": lambda aperture: {"factors": factor(_mask_of(aperture))},
 }
 
 
@@ -80,16 +94,16 @@ class NearOperator:
         name = refuse.one_of("method", method, ("auto", *METHODS))
         refuse.one_of("finest", finest, FINEST)
         if aperture.wavefront is not None:
-            self._check_wavefront(name, finest)
-            name = "reference" if name == "auto" else name
+            _check_for_wavefront(name, finest)
         if finest != "full" and name not in ("auto", *OF_PIXELS):
             raise refuse.Refusal(
                 f"method '{name}' sees an aperture as it is and takes no 'finest'; use 'rows' or 'quads'."
             )
-        self.grid, self.method = grid, "rows" if name == "auto" else name
-        self.aperture = _seen(aperture, raster_size, finest) if self.method in OF_PIXELS else aperture
-        prepare = PREPARATIONS.get(self.method)
-        self._prepared = {} if prepare is None else prepare(self.aperture, grid)
+        self.grid = grid
+        self.aperture = _seen(aperture, raster_size, finest) if name in ("auto", *OF_PIXELS) else aperture
+        self.method, self.prepared = _fastest(self.aperture, grid) if name == "auto" else (name, {})
+        if self.aperture.wavefront is None and not self.prepared and self.method in PREPARATIONS:
+            self.prepared = PREPARATIONS[self.method](self.aperture)
 
     def field(self, distance: float, wavelength: float) -> Field:
         """Return the amplitude on the plane.
@@ -111,7 +125,7 @@ class NearOperator:
         """
         self._check(distance, wavelength)
         method = METHODS[self.method]
-        return Field(method(self.aperture, self.grid, distance, wavelength, **self._prepared), self.grid)
+        return Field(method(self.aperture, self.grid, distance, wavelength, **self.prepared), self.grid)
 
     def power(self, distance: float, wavelength: float, cull: float | None = None) -> NDArray[Any]:
         """Return |D|² on the plane.
@@ -135,30 +149,17 @@ class NearOperator:
         """
         if cull:
             check_level(cull)
+        self._check(distance, wavelength)
+        if self.method in POWERS:
+            return POWERS[self.method](self.aperture, self.grid, distance, wavelength, **self.prepared)
         amplitude = self.field(distance, wavelength).amplitude
-        if amplitude.dtype == np.complex128:
-            return np.asarray(amplitude.real**2 + amplitude.imag**2)
-        from aureole.diffraction import _kernels_rows  # compiled code: loaded when first used
-
-        out = np.empty(self.grid.shape, dtype=np.float32)
-        _kernels_rows.square_field(amplitude, out)
-        return out
+        return np.asarray(amplitude.real**2 + amplitude.imag**2)
 
     def _check(self, distance: float, wavelength: float) -> None:
         refuse.positive("distance", distance)
         refuse.positive("wavelength", wavelength)
         if self.aperture.wavefront is not None:
             apertures.check_wavefront(self.aperture, wavelength)
-
-    @staticmethod
-    def _check_wavefront(name: str, finest: str) -> None:
-        if name not in ("auto", *OF_WAVEFRONTS):
-            raise refuse.Refusal(
-                f"method '{name}' takes real transmittances and this aperture has a wavefront; "
-                "use 'reference'."
-            )
-        if finest != "full":
-            raise refuse.Refusal(f"'finest' must be 'full' for an aperture with a wavefront, got '{finest}'.")
 
 
 def near_field(
@@ -185,8 +186,9 @@ def near_field(
         Metres.
     method : str
         "reference", direct sums in float64, of outlines along their boundary; "quads", over signed
-        rectangles; "rows", over the mask's distinct rows; "auto" takes "rows", and "reference" for an
-        aperture with a wavefront, which the others do not serve.
+        rectangles; "rows", over the mask's distinct rows; "fft", a convolution, where the places are
+        as far apart as the pixels; "auto" takes what should be the fastest of "rows" and "fft". A
+        wavefront is served by these two and by "reference".
     raster_size : int
         Pixels a side to which outlines are rasterized.
     finest : str
@@ -262,6 +264,81 @@ def _seen(aperture: Aperture, raster_size: int, finest: str) -> Aperture:
         return aperture
     level = level_mask(_mask_of(aperture), finest).astype(np.float32)
     return Aperture(aperture.width, mask=level, name=aperture.name)
+
+
+def _check_for_wavefront(name: str, finest: str) -> None:
+    if name not in ("auto", *OF_WAVEFRONTS):
+        raise refuse.Refusal(
+            f"method '{name}' takes real transmittances and this aperture has a wavefront; use 'rows'."
+        )
+    if finest != "full":
+        raise refuse.Refusal(f"'finest' must be 'full' for an aperture with a wavefront, got '{finest}'.")
+
+
+def _fastest(aperture: Aperture, grid: Grid) -> tuple[str, dict[str, Any]]:
+    """Name the method of pixels that should take the least time; what was found of its rows."""
+    found = lattice(aperture, grid)
+    if aperture.wavefront is not None:
+        # Two masks of full rank never take less than one complex convolution.
+        return ("rows" if found is None else "fft"), {}
+    factors = factor(_mask_of(aperture))
+    if found is not None:
+        rows, convolution = (
+            sum(cost * work for cost, work in zip(costs, works, strict=True))
+            for costs, works in (
+                (ROWS_COSTS, rows_work(aperture, factors, grid)),
+                (FFT_COSTS, fft_work(aperture, grid, found)),
+            )
+        )
+        if convolution < rows:
+            return "fft", {}
+    return "rows", {"factors": factors}
+
+
+def rows_work(aperture: Aperture, factors: list[Factor], grid: Grid) -> list[float]:
+    """Return what 'rows' has to do.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    factors : list of Factor
+        What `rows.factor` found in its mask.
+    grid : Grid
+        Metres.
+
+    Returns
+    -------
+    list of float
+        Calls, Fresnel integrals, multiplications, and places and pixels.
+    """
+    size, (rows, columns) = len(_mask_of(aperture)), computed(grid)
+    used_y, used_x = (int(used.sum()) for used in used_edges(factors, (size + 1) // 2))
+    integrals = 2 * (max(used_y, used_x) * rows if rows == columns else used_y * rows + used_x * columns)
+    outputs = grid.shape[0] * grid.shape[1] + size**2
+    return [1, integrals, multiplications(factors, 2 * rows, 2 * columns), outputs]
+
+
+def fft_work(aperture: Aperture, grid: Grid, found: list[tuple[int, int]]) -> list[float]:
+    """Return what 'fft' has to do.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    grid : Grid
+        Metres.
+    found : list of tuple of int
+        From `near_fft.lattice`.
+
+    Returns
+    -------
+    list of float
+        Calls, and samples transformed.
+    """
+    (_, _, length_y), (_, _, length_x) = lengths(aperture, grid, found)
+    lit = int(_mask_of(aperture).any(axis=1).sum())
+    return [1, lit * length_x + grid.shape[1] * length_y]
 
 
 def _mask_of(aperture: Aperture) -> NDArray[np.float32]:

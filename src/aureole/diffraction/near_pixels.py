@@ -6,17 +6,21 @@ fields: on a plane centred on the axis only a quarter is computed.
 """
 
 import math
+import os
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
 from aureole import aperture as apertures
-from aureole.diffraction import _kernels_fresnel
-from aureole.diffraction.fresnel import taylor_table
+from aureole.diffraction import _kernels_fresnel, _kernels_near
+from aureole.diffraction.fresnel import decay_polynomial, taylor_table
 from aureole.diffraction.quads import ALIKE, Axis, intervals_of, parity_weights, thin_sides
 from aureole.diffraction.quadtree import Quads, quadtree
-from aureole.diffraction.rows import Factor, factor, multiply, sides
+from aureole.diffraction.rows import Factor, factor, in_threads, sides
 from aureole.records import Aperture, Grid
 
 # A scale above this differs in nothing that a float can show, and its products stay finite.
@@ -27,7 +31,12 @@ FARTHEST = 1e15
 SMOOTH = 2.0
 NODES = 10
 
+# Computed places of a tile along y, and half of those along x, at most.
+LARGEST = 512
+# Which parity (1 odd along x, 2 odd along y), and the two sides whose product it is, (R, 2 P) and
+# (R, 2 Q): real and imaginary parts in turn.
 Part = tuple[int, NDArray[np.float32], NDArray[np.float32]]
+Tile = tuple[int, int, int, int]
 
 
 def reference_near(
@@ -51,7 +60,7 @@ def reference_near(
     """
     mask = apertures.transmittance(aperture, wavelength)
     edges = np.linspace(-0.5, 0.5, len(mask) + 1) * aperture.width
-    along_y, along_x = (_differences(edges, axis, scale_of(distance, wavelength)) for axis in grid.axes())
+    along_y, along_x = (differences(edges, axis, scale_of(distance, wavelength)) for axis in grid.axes())
     return np.asarray(-0.5j * (along_y @ mask.astype(np.complex128) @ along_x.T))
 
 
@@ -76,6 +85,54 @@ def quads_near(
     ndarray of complex64, shape (rows, columns)
         Without unit.
     """
+    return field_of(quads_parts(aperture, grid, distance, wavelength, quads), grid)
+
+
+def quads_near_power(
+    aperture: Aperture, grid: Grid, distance: float, wavelength: float, quads: Quads | None = None
+) -> NDArray[np.float32]:
+    """Return |D|² of a mask's signed rectangles, without the field.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    grid : Grid
+        Metres.
+    distance, wavelength : float
+        Metres.
+    quads : Quads, optional
+        The mask as `quadtree` breaks it.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Without unit.
+    """
+    return power_of(quads_parts(aperture, grid, distance, wavelength, quads), grid)
+
+
+def quads_parts(
+    aperture: Aperture, grid: Grid, distance: float, wavelength: float, quads: Quads | None = None
+) -> list[Part]:
+    """Return the two sides of each part of a near field, from rectangles.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    grid : Grid
+        Metres.
+    distance, wavelength : float
+        Metres.
+    quads : Quads, optional
+        The mask as `quadtree` breaks it.
+
+    Returns
+    -------
+    list of Part
+        Four at most.
+    """
     assert aperture.mask is not None
     quads = quadtree(aperture.mask, aperture.width) if quads is None else quads
     axes = [intervals_of(quads.rectangles[:, k::2] / aperture.width) for k in (1, 0)]
@@ -89,7 +146,7 @@ def quads_near(
         weights = parity_weights(quads, axes, part)
         if weights is not None:
             parts.append((part, *thin_sides(weights, factors_y[part >> 1], factors_x[part & 1])))
-    return _unfolded(parts, grid)
+    return parts
 
 
 def rows_near(
@@ -104,7 +161,42 @@ def rows_near(
     Parameters
     ----------
     aperture : Aperture
-        A raster.
+        A raster; with a wavefront, its real and imaginary part are taken as masks.
+    grid : Grid
+        Metres; four times faster centred on the axis.
+    distance, wavelength : float
+        Metres.
+    factors : list of Factor, optional
+        What `rows.factor` found in the aperture's mask, if it has no wavefront.
+
+    Returns
+    -------
+    ndarray of complex64, shape (rows, columns)
+        Without unit.
+    """
+    if aperture.wavefront is None:
+        return field_of(rows_parts(aperture, grid, distance, wavelength, factors), grid)
+    wave = apertures.transmittance(aperture, wavelength)
+    real, imaginary = (
+        rows_near(Aperture(aperture.width, mask=part.astype(np.float32)), grid, distance, wavelength)
+        for part in (wave.real, wave.imag)
+    )
+    return np.asarray(real + np.complex64(1j) * imaginary)
+
+
+def rows_near_power(
+    aperture: Aperture,
+    grid: Grid,
+    distance: float,
+    wavelength: float,
+    factors: list[Factor] | None = None,
+) -> NDArray[np.float32]:
+    """Return |D|² of a mask from its distinct rows or columns, without the field.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster; with a wavefront, its real and imaginary part are taken as masks.
     grid : Grid
         Metres; four times faster centred on the axis.
     distance, wavelength : float
@@ -114,23 +206,188 @@ def rows_near(
 
     Returns
     -------
-    ndarray of complex64, shape (rows, columns)
+    ndarray of float32, shape (rows, columns)
         Without unit.
+    """
+    if aperture.wavefront is None:
+        return power_of(rows_parts(aperture, grid, distance, wavelength, factors), grid)
+    amplitude = rows_near(aperture, grid, distance, wavelength)
+    return np.asarray(amplitude.real**2 + amplitude.imag**2)
+
+
+def rows_parts(
+    aperture: Aperture,
+    grid: Grid,
+    distance: float,
+    wavelength: float,
+    factors: list[Factor] | None = None,
+) -> list[Part]:
+    """Return the two sides of each part of a near field, from rows.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    grid : Grid
+        Metres.
+    distance, wavelength : float
+        Metres.
+    factors : list of Factor, optional
+        What `rows.factor` found in the aperture's mask.
+
+    Returns
+    -------
+    list of Part
+        Four at most.
     """
     assert aperture.mask is not None
     size = len(aperture.mask)
-    half = (size + 1) // 2
-    edges = np.append(0.0, (np.arange(1, half + 1) - 0.5 * (size % 2)) * (aperture.width / size))
-    first, last = np.zeros(half, dtype=np.int64), np.arange(1, half + 1)
+    found = factor(aperture.mask) if factors is None else factors
+    edges = (np.arange(1.0, (size + 1) // 2 + 1) - 0.5 * (size % 2)) * (aperture.width / size)
+    used_y, used_x = used_edges(found, len(edges))
+    scale = scale_of(distance, wavelength)
     places_y, places_x = _computed(grid)
-    tables_y = tables_x = _factors(edges, first, last, places_y, scale_of(distance, wavelength))
-    if not np.array_equal(places_y, places_x):
-        tables_x = _factors(edges, first, last, places_x, scale_of(distance, wavelength))
+    if alike := np.array_equal(places_y, places_x):
+        used_y = used_y | used_x
+    tables_y = tables_x = _edge_factors(edges, used_y, places_y, grid.spacing[0], scale)
+    if not alike:
+        tables_x = _edge_factors(edges, used_x, places_x, grid.spacing[1], scale)
     parts: list[Part] = []
-    for each in factor(aperture.mask) if factors is None else factors:
+    for each in found:
         y, x = each.odd
         parts.append((2 * y + x, *sides(each, tables_y[y], tables_x[x])))
-    return _unfolded(parts, grid)
+    return parts
+
+
+def used_edges(factors: list[Factor], count: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return which edges of pixels a mask steps at.
+
+    Parameters
+    ----------
+    factors : list of Factor
+        What `rows.factor` found in it.
+    count : int
+        Edges from the centre outwards, without that at the centre.
+
+    Returns
+    -------
+    along_y, along_x : ndarray of bool, shape (count,)
+        True where some line steps or where one set of equal lines ends.
+    """
+    used = np.zeros((2, count), dtype=np.bool_)
+    for each in factors:
+        axis = 1 if each.by_rows else 0
+        used[axis, :-1] |= (each.lines[:, 1:] != each.lines[:, :-1]).any(axis=0)
+        used[axis, -1] |= bool(each.lines[:, -1].any())
+        used[1 - axis] |= np.append(each.labels[1:], -1) != each.labels
+    return used[0], used[1]
+
+
+def field_of(parts: list[Part], grid: Grid) -> NDArray[np.complex64]:
+    """Return the field on the whole plane.
+
+    Parameters
+    ----------
+    parts : list of Part
+        Two sides each.
+    grid : Grid
+        Metres.
+
+    Returns
+    -------
+    ndarray of complex64, shape (rows, columns)
+        Without unit.
+    """
+    out = np.empty(grid.shape, dtype=np.complex64) if parts else np.zeros(grid.shape, dtype=np.complex64)
+    write_tiles(parts, grid, all_tiles(parts), _kernels_near.write_field, out)
+    return out
+
+
+def power_of(parts: list[Part], grid: Grid) -> NDArray[np.float32]:
+    """Return the squared modulus of the field on the whole plane.
+
+    Parameters
+    ----------
+    parts : list of Part
+        Two sides each.
+    grid : Grid
+        Metres.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Without unit.
+    """
+    out = np.empty(grid.shape, dtype=np.float32) if parts else np.zeros(grid.shape, dtype=np.float32)
+    write_tiles(parts, grid, all_tiles(parts), _kernels_near.write_power, out)
+    return out
+
+
+def write_tiles(
+    parts: list[Part],
+    grid: Grid,
+    tiles: list[Tile],
+    write: Callable[..., None],
+    out: NDArray[Any],
+) -> None:
+    """Multiply the two sides of each part on tiles of the plane, and write the tiles.
+
+    A complex product is taken as four real ones: as three it would have five times the error.
+
+    Parameters
+    ----------
+    parts : list of Part
+        Two sides each.
+    grid : Grid
+        Metres.
+    tiles : list of Tile
+        (top, bottom, first, last) among the computed rows and columns.
+    write : callable
+        `_kernels_near.write_field`, or another that takes what this takes.
+    out : ndarray, shape (rows, columns)
+        The plane.
+    """
+    present = np.zeros(4, dtype=np.bool_)
+    present[[part for part, _, _ in parts]] = True
+    rows, columns = (
+        count // 2 if centre == 0 else -1 for count, centre in zip(grid.shape, grid.centre, strict=True)
+    )
+
+    def evaluate(tile: Tile) -> None:
+        top, bottom, first, last = tile
+        products = np.empty((4, 2 * (bottom - top), 2 * (last - first)), dtype=np.float32)
+        for part, left, right in parts:
+            np.matmul(left[:, 2 * top : 2 * bottom].T, right[:, 2 * first : 2 * last], out=products[part])
+        write(products, present, (top, first), (rows, columns), out)
+
+    in_threads(evaluate, tiles)
+
+
+def all_tiles(parts: list[Part]) -> list[Tile]:
+    """Return tiles of about the same size, as many in each column as keep all processors busy.
+
+    Parameters
+    ----------
+    parts : list of Part
+        Two sides each.
+
+    Returns
+    -------
+    list of Tile
+        All that is computed; none where there are no parts.
+    """
+    if not parts:
+        return []
+    rows, columns = (side.shape[1] // 2 for side in parts[0][1:])
+    busy = os.cpu_count() or 1
+    across = np.linspace(0, rows, busy * math.ceil(rows / (busy * LARGEST)) + 1).astype(int).tolist()
+    along = np.linspace(0, columns, math.ceil(columns / (2 * LARGEST)) + 1).astype(int).tolist()
+    return [
+        (top, bottom, first, last)
+        for top, bottom in pairwise(across)
+        for first, last in pairwise(along)
+        if top < bottom
+    ]
 
 
 def scale_of(distance: float, wavelength: float) -> float:
@@ -149,10 +406,25 @@ def scale_of(distance: float, wavelength: float) -> float:
     return min(math.sqrt(2) / math.sqrt(wavelength) / math.sqrt(distance), LARGEST_SCALE)
 
 
-def _differences(
+def differences(
     edges: NDArray[np.float64], places: NDArray[np.float64], scale: float
 ) -> NDArray[np.complex128]:
-    """Return ∫ exp(iπt²/2) dt over each pixel as each place sees it, shape (places, pixels)."""
+    """Return ∫ exp(iπt²/2) dt over each pixel as each place sees it, in float64.
+
+    Parameters
+    ----------
+    edges : ndarray of float64, shape (N + 1,)
+        Of the pixels, metres.
+    places : ndarray of float64, shape (M,)
+        Metres.
+    scale : float
+        √(2 / (λz)), per metre.
+
+    Returns
+    -------
+    ndarray of complex128, shape (M, N)
+        Without unit.
+    """
     with np.errstate(over="ignore"):
         t = np.clip(scale * (edges - places[:, None]), -FARTHEST, FARTHEST)
         size = np.minimum(scale * np.diff(edges), FARTHEST)
@@ -195,7 +467,10 @@ def _factors(
     places: NDArray[np.float64],
     scale: float,
 ) -> NDArray[np.float32]:
-    """Return the even and the odd factor of intervals, shape (2, K, 2 M): real parts, imaginary parts."""
+    """Return the even and the odd factor of intervals, shape (2, K, 2 M).
+
+    Real and imaginary parts in turn.
+    """
     table = np.empty((len(edges), 2, len(places)), dtype=np.complex128)
     _kernels_fresnel.edge_integrals(edges, places, scale, taylor_table(), table)
     out = np.empty((2, len(low), 2 * len(places)), dtype=np.float32)
@@ -203,17 +478,16 @@ def _factors(
     return out
 
 
-def _unfolded(parts: list[Part], grid: Grid) -> NDArray[np.complex64]:
-    """Multiply the two sides of each part and put the parts together."""
-    places_y, places_x = _computed(grid)
-    products = np.empty((4, 2 * len(places_y), 2 * len(places_x)), dtype=np.float32)
-    present = np.zeros(4, dtype=np.bool_)
-    for part, _, _ in parts:
-        present[part] = True
-    multiply([(left.T, right, products[part]) for part, left, right in parts])
-    rows, columns = (
-        count // 2 if centre == 0 else -1 for count, centre in zip(grid.shape, grid.centre, strict=True)
-    )
-    out = np.empty(grid.shape, dtype=np.complex64)
-    _kernels_fresnel.unfold(products, present, (rows, columns), out)
+def _edge_factors(
+    edges: NDArray[np.float64],
+    used: NDArray[np.bool_],
+    places: NDArray[np.float64],
+    spacing: float,
+    scale: float,
+) -> NDArray[np.float32]:
+    """Return the even and the odd factor of intervals from zero to each used edge, as `_factors` does."""
+    out = np.zeros((2, len(edges), 2 * len(places)), dtype=np.float32)
+    first, step = np.clip((scale * places[0], scale * spacing), -FARTHEST, FARTHEST)
+    which = np.flatnonzero(used)
+    _kernels_near.edge_factors(scale * edges, which, first, step, len(places), decay_polynomial(), out)
     return out

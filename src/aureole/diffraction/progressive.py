@@ -7,27 +7,19 @@ odd parts, which have half as many rows and real waves, and rows equal by their 
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import aperture as apertures
-from aureole import refuse
 from aureole.diffraction import _kernels_progressive as kernels
-from aureole.diffraction.far import RASTER_SIZE, check_grid
-from aureole.diffraction.quadtree import Quads, difference_quads
-from aureole.records import Aperture, Field, Grid
+from aureole.diffraction.changes import Change, ProgressiveField
+from aureole.diffraction.far import RASTER_SIZE
+from aureole.records import Grid
 
 F32 = NDArray[np.float32]
 
-# How far the running field may stray by the bound of its rounding, of the peak, before a fresh start.
-MOST_DRIFT = 3e-5
-# Rounding of one update in units of float32's: of the running sum, and of the change's transform.
-ROUNDING_OF_SUM, ROUNDING_OF_CHANGE = 0.5, 4.0
 # Above this part of values that are not zero, a dense product of the rows is faster.
 MOST_SPARSE = 0.2
-EPSILON = float(np.finfo(np.float32).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,16 +34,7 @@ class _Axis:
     waves: tuple[F32, F32]
 
 
-@dataclass(frozen=True, eq=False)
-class _Change:
-    """Where two masks differ: the difference within a box of pixels, and where the box begins."""
-
-    values: F32
-    top: int
-    left: int
-
-
-class ProgressiveFarField:
+class ProgressiveFarField(ProgressiveField):
     """The far field of one aperture after another, each from the one before.
 
     The running field is complex64. A bound of its rounding is kept, and where it passes 3e-5 of the
@@ -75,122 +58,9 @@ class ProgressiveFarField:
     """
 
     def __init__(self, grid: Grid, raster_size: int = RASTER_SIZE) -> None:
-        check_grid(grid)
-        self._grid = grid
-        self._size = refuse.at_least("raster_size", raster_size, 1)
-        self._width: float | None = None
-        self._field = np.zeros(grid.shape, dtype=np.complex64)
-        self._power = np.zeros(grid.shape, dtype=np.float32)
-        self._change: _Change | None = None
-        self._evaluated: tuple[int, int] | None = None
-        self._refreshed = False
+        super().__init__(grid, raster_size, "far_field")
 
-    def update(self, aperture: Aperture) -> Field:
-        """Return the far field of the next aperture.
-
-        Parameters
-        ----------
-        aperture : Aperture
-            Outlines or a raster, of the width and the pixels of the first one.
-
-        Returns
-        -------
-        Field
-            F in square metres, complex64. Its array is the running one, not to be written: the next
-            update changes it, so copy what is to be kept.
-
-        Raises
-        ------
-        refuse.Refusal
-            Where the width or the mask's size differs from the first aperture's, the mask is not
-            finite, or there is a wavefront; the running field stays as it was.
-        """
-        mask = self._mask_of(aperture)
-        change = _change(self._mask, mask)
-        if change is not None and not np.isfinite(change.values).all():
-            raise refuse.Refusal("'mask' must be finite, got NaN or infinity.")
-        self._change, self._evaluated, self._refreshed = change, None, False
-        if change is not None:
-            self._take(change, mask)
-        return Field(_read_only(self._field), self._grid)
-
-    def power(self) -> F32:
-        """Return |F|² of the last aperture.
-
-        Returns
-        -------
-        ndarray of float32, shape (rows, columns)
-            Metres to the fourth; the running array, which the next update changes.
-        """
-        power: F32 = _read_only(self._power)
-        return power
-
-    @property
-    def evaluated(self) -> tuple[int, int]:
-        """Quads of the last update, (positive, negative), each extracted on its own.
-
-        They are counted when asked for: the update sums them by rows, and needs no list of them.
-        """
-        if self._evaluated is None:
-            positive, negative = self.quads()
-            self._evaluated = len(positive), len(negative)
-        return self._evaluated
-
-    @property
-    def refreshed(self) -> bool:
-        """Whether the last update transformed the whole mask afresh."""
-        return self._refreshed
-
-    def quads(self) -> tuple[Quads, Quads]:
-        """Return the quads that the last update added and took away (quad paper §4.3).
-
-        Returns
-        -------
-        tuple of Quads
-            Of the positive part of the difference and of the negative one; the weights of the latter
-            are those of its absolute value. Neighbours of one weight that are a rectangle together are
-            merged across the tree's levels (§7).
-        """
-        if self._change is None or self._width is None:
-            nothing = Quads(np.zeros((0, 4)), np.zeros(0))
-            return nothing, nothing
-        whole = np.zeros_like(self._mask)
-        values, top, left = self._change.values, self._change.top, self._change.left
-        whole[top : top + len(values), left : left + values.shape[1]] = values
-        return difference_quads(whole, self._width)
-
-    def _mask_of(self, aperture: Aperture) -> F32:
-        """Return an aperture's pixels, refusing what does not fit the first one."""
-        if aperture.wavefront is not None:
-            raise refuse.Refusal(
-                "ProgressiveFarField takes real transmittances and this aperture has a wavefront; use "
-                "'far_field', which takes a wavelength."
-            )
-        if self._width is None:
-            self._begin(aperture)
-        if aperture.width != self._width:
-            raise refuse.Refusal(
-                f"'aperture' must be {self._width:g} m wide as the first one, got {aperture.width:g} m; "
-                "begin another ProgressiveFarField for another width."
-            )
-        if aperture.mask is None:
-            return apertures.rasterize(aperture, self._size)
-        if aperture.mask.shape != self._mask.shape:
-            rows, columns = aperture.mask.shape
-            raise refuse.Refusal(
-                f"'aperture' must have {self._size} x {self._size} pixels as the first one, "
-                f"got {rows} x {columns}; begin another ProgressiveFarField for another size."
-            )
-        return np.ascontiguousarray(aperture.mask, dtype=np.float32)
-
-    def _begin(self, aperture: Aperture) -> None:
-        """Take width and size from the first aperture and prepare the waves; nothing lets light through."""
-        self._width = refuse.positive("aperture width", aperture.width)
-        if aperture.mask is not None:
-            self._size = len(aperture.mask)
-        self._pixel = self._width / self._size
-        self._mask = np.zeros((self._size, self._size), dtype=np.float32)
-        self._area = self._error = 0.0
+    def _prepare(self) -> None:
         self._mirrored = self._grid.centre == (0.0, 0.0)
         y, x = self._grid.axes()
         if self._mirrored:
@@ -199,28 +69,10 @@ class ProgressiveFarField:
         self._rows = _axis(y, self._size, self._pixel)
         self._columns = self._rows if np.array_equal(x, y) else _axis(x, self._size, self._pixel)
 
-    def _take(self, change: _Change, mask: F32) -> None:
-        """Add a change, or begin afresh where rounding has gathered."""
-        self._area += float(change.values.sum(dtype=np.float64))
-        moved = float(np.abs(change.values).sum(dtype=np.float64))
-        self._error += EPSILON * (ROUNDING_OF_SUM * self._area + ROUNDING_OF_CHANGE * moved)
-        part = np.s_[change.top : change.top + len(change.values)]
-        if self._error <= MOST_DRIFT * self._area:
-            self._mask[part] = mask[part]
-            self._add(change)
-            return
-        self._refreshed = True
-        self._mask[:] = 0
-        self._field[:] = 0
-        self._power[:] = 0
-        whole = _change(self._mask, mask)
-        self._mask[:] = mask
-        self._area = float(mask.sum(dtype=np.float64))
-        self._error = EPSILON * ROUNDING_OF_CHANGE * self._area
-        if whole is not None:
-            self._add(whole)
+    def _largest(self, total: float) -> float:
+        return total
 
-    def _add(self, change: _Change) -> None:
+    def _add(self, change: Change) -> None:
         """Add a change's transform to the field, and square the sum."""
         height, width = change.values.shape
         left, right, starts = _factors(change.values, self._rows, self._columns)
@@ -243,19 +95,6 @@ def _axis(frequencies: NDArray[np.float64], size: int, pixel: float) -> _Axis:
         phase = 2 * np.pi * (turns - np.rint(turns))
         tables.append(np.stack([np.cos(phase) * scale, np.sin(phase) * scale]).astype(np.float32))
     return _Axis(frequencies, (tables[0], tables[1]))
-
-
-def _change(old: F32, new: F32) -> _Change | None:
-    """Return the difference of two masks within the box where their bits differ, or None."""
-    size = len(old)
-    first, last = np.empty(size, dtype=np.int64), np.empty(size, dtype=np.int64)
-    kernels.changed_columns(old.view(np.int32), new.view(np.int32), first, last)
-    rows = np.flatnonzero(last)
-    if not len(rows):
-        return None
-    top, bottom, left, right = int(rows[0]), int(rows[-1]) + 1, int(first.min()), int(last.max())
-    box = np.s_[top:bottom, left:right]
-    return _Change(new[box] - old[box], top, left)
 
 
 def _factors(values: F32, rows: _Axis, columns: _Axis) -> tuple[F32, F32, NDArray[np.int64]]:
@@ -323,9 +162,3 @@ def _turns(turns: NDArray[np.float64]) -> F32:
     """Return the real and the imaginary part of exp(−i2π turns), whole turns taken off in float64."""
     phase = (-2 * np.pi * (turns - np.rint(turns))).astype(np.float32)
     return np.stack([np.cos(phase), np.sin(phase)])
-
-
-def _read_only(array: Any) -> Any:
-    view = array.view()
-    view.flags.writeable = False
-    return view
