@@ -174,7 +174,7 @@ class ProgressiveField(ABC):
         if aperture.width != self._width:
             raise refuse.Refusal(
                 f"'aperture' must be {self._width:g} m wide as the first one, got {aperture.width:g} m; "
-                "begin another {type(self).__name__} for another width."
+                f"begin another {type(self).__name__} for another width."
             )
         if aperture.mask is None:
             return apertures.rasterize(aperture, self._size)
