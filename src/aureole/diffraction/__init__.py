@@ -18,6 +18,7 @@ fresnel     the Fresnel integrals, from tables
 corner      the corner function: what the end of a straight edge does to a wave
 near        near_field, near_power and NearOperator: Fresnel diffraction at any distance, and the chooser
 near_circles the near field of circles, exact: a table near the axis, edge waves elsewhere
+near_arcs   the near field of rings with arcs, exact: few nodes along an edge, or its ends
 near_pixels its methods for masks: products of tables of Fresnel integrals
 near_progressive the near field of an aperture that changes
 near_fft    its convolution, where the plane's places have the pixels' pitch

@@ -18,6 +18,7 @@ from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction.corner import corner_table
 from aureole.diffraction.fresnel import taylor_table
+from aureole.diffraction.near_arcs import arcs_near
 from aureole.diffraction.near_circles import circle_near
 from aureole.diffraction.near_pixels import scale_of
 from aureole.records import Aperture, Grid, Outline
@@ -98,8 +99,7 @@ def polygons_near(
         if circle is not None:
             out += np.float32(ring.transmittance) * circle_near(circle, grid, distance, wavelength)
         elif np.any(ring.bulges):
-            weight = ring.transmittance * apertures.orientation(ring)
-            out += weight * _boundary_sum(ring, grid, scale_of(distance, wavelength))
+            out += np.float32(ring.transmittance) * arcs_near(ring, grid, distance, wavelength)
         else:
             straight.append(ring)
     if straight:

@@ -184,7 +184,7 @@ def _is_symmetric(ring: _Ring, axis: int) -> bool:
 
 
 def _ring(ring: Outline) -> _Ring:
-    vertices, arcs = _with_short_arcs(ring)
+    vertices, arcs = short_arcs(ring)
     lengths = np.hypot(*(np.roll(vertices, -1, axis=0) - vertices).T)
     size = float(np.hypot(*np.ptp(vertices, axis=0)))
     area, centroid, second = apertures.central_moments(ring)
@@ -195,16 +195,29 @@ def _ring(ring: Outline) -> _Ring:
     return _Ring(vertices, arcs, weight, near, area, centroid, second)
 
 
-def _with_short_arcs(ring: Outline) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Cut arcs to at most 60 degrees.
+def short_arcs(
+    ring: Outline, flattest: float = FLATTEST_BULGE
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Cut the arcs of a ring to at most 60 degrees.
 
-    Returns vertices (V, 2) and arcs (V, 5): radius, 0 for a straight edge, centre x, y, first angle
-    and sweep.
+    Parameters
+    ----------
+    ring : Outline
+        Any ring.
+    flattest : float
+        Edges of a smaller bulge count as straight.
+
+    Returns
+    -------
+    vertices : ndarray of float64, shape (V, 2)
+        In the ring's unit.
+    arcs : ndarray of float64, shape (V, 5)
+        Radius, 0 for a straight edge, centre x, y, first angle and sweep.
     """
     vertices, arcs = [], []
     ends = np.roll(ring.vertices, -1, axis=0)
     for start, end, bulge in zip(ring.vertices, ends, ring.bulges, strict=True):
-        if abs(bulge) < FLATTEST_BULGE:
+        if abs(bulge) < flattest:
             vertices.append(start)
             arcs.append((0.0, 0.0, 0.0, 0.0, 0.0))
             continue
@@ -225,7 +238,7 @@ def _boundary(ring: _Ring, reach: float) -> tuple[NDArray[np.float64], NDArray[n
     ends = np.roll(ring.vertices, -1, axis=0)
     for start, end, (radius, x, y, first, sweep) in zip(ring.vertices, ends, ring.arcs, strict=True):
         travel = radius * abs(sweep) if radius else math.hypot(*(end - start))
-        nodes, weights = _gauss(_node_count(math.pi * reach * travel) + (6 if radius else 0))
+        nodes, weights = gauss(node_count(math.pi * reach * travel) + (6 if radius else 0))
         where, share = (nodes + 1) / 2, weights[:, None] / 2
         if radius:
             cosine, sine = np.cos(first + sweep * where), np.sin(first + sweep * where)
@@ -237,10 +250,23 @@ def _boundary(ring: _Ring, reach: float) -> tuple[NDArray[np.float64], NDArray[n
     return np.concatenate(points), np.concatenate(steps)
 
 
-def _node_count(half_phase: float) -> int:
-    """Return how many nodes integrate exp(ikt) over [−1, 1] to an error of 1e-10."""
+def node_count(half_phase: float, error: float = QUADRATURE_ERROR) -> int:
+    """Return how many Gauss-Legendre nodes integrate exp(ikt) over [−1, 1].
+
+    Parameters
+    ----------
+    half_phase : float
+        k, radians.
+    error : float
+        Of the integral.
+
+    Returns
+    -------
+    int
+        At least 2.
+    """
     count, log_error = 1, math.inf
-    while log_error > math.log(QUADRATURE_ERROR):
+    while log_error > math.log(error):
         count += 1
         # 2^(2n+1) n!⁴ k^(2n) / ((2n + 1) (2n)!³)
         log_error = (
@@ -254,7 +280,19 @@ def _node_count(half_phase: float) -> int:
 
 
 @lru_cache(maxsize=64)
-def _gauss(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def gauss(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the Gauss-Legendre nodes and weights over [−1, 1].
+
+    Parameters
+    ----------
+    count : int
+        How many.
+
+    Returns
+    -------
+    nodes, weights : ndarray of float64, shape (count,)
+        Not to be written into.
+    """
     return np.polynomial.legendre.leggauss(count)
 
 
@@ -282,7 +320,7 @@ def _prepared(
     arcs = np.concatenate([np.empty((0, 5)), *(ring.arcs for ring in rings)])
     starts = np.cumsum([0] + [len(ring.vertices) for ring in rings])
     points = np.concatenate([vertices, discs[:, :2]])
-    tiled = _to_whole_tiles(u, _kernels_arcs.TILE)
+    tiled = to_whole_tiles(u, _kernels_arcs.TILE)
     near = np.array([_left_out(ring, u, v) for ring in rings], dtype=np.int64).reshape(-1, 2, len(v))
     waves = _kernels_polygons.Waves(
         tiled,
@@ -300,8 +338,21 @@ def _prepared(
     return waves, *_core(rings, near, u, v)
 
 
-def _to_whole_tiles(u: NDArray[np.float64], tile: int) -> NDArray[np.float64]:
-    """Continue the columns to a multiple of the tile."""
+def to_whole_tiles(u: NDArray[np.float64], tile: int) -> NDArray[np.float64]:
+    """Continue the columns to a multiple of the tile.
+
+    Parameters
+    ----------
+    u : ndarray of float64, shape (C,)
+        Evenly spaced.
+    tile : int
+        Columns of a tile.
+
+    Returns
+    -------
+    ndarray of float64
+        The same columns and up to `tile` − 1 more.
+    """
     step = u[1] - u[0] if len(u) > 1 else 1.0
     spare = -len(u) % tile
     return np.concatenate([u, u[-1] + step * np.arange(1, spare + 1)])
