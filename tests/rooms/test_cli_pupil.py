@@ -51,6 +51,16 @@ def test_a_shadow_is_placed_in_parts_of_the_openings_width(tmp_path, capsys):
     np.testing.assert_allclose((x[inside].mean(), y[inside].mean()), (-0.1, 0.2), atol=1e-3)
 
 
+def test_a_housing_leaves_a_cats_eye(tmp_path, capsys):
+    """Two circles of one size, each through the other's centre, share 2/3 − √3/(2π) of either."""
+    words = ["aperture", *CIRCLE[:2], "--housing", "0.5,0,1", "-o", tmp_path / "eye.png"]
+    found = told(words, capsys)
+    share = 2 / 3 - np.sqrt(3) / (2 * np.pi)
+    assert found["open_area_fraction"] == pytest.approx(np.pi / 4 * share, abs=1e-5)
+    lit = picture.read(tmp_path / "eye.png").pixels[..., 0] > 0.5
+    assert lit[:, 256:].sum() > 0.99 * lit.sum()
+
+
 def test_a_change_needs_a_picture_of_the_same_size(tmp_path, capsys):
     before = tmp_path / "before.png"
     told(["aperture", "--size", "64", "-o", before], capsys)

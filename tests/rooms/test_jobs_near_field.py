@@ -236,6 +236,19 @@ def test_a_section_is_the_line_across_each_plane():
         np.testing.assert_allclose(row[..., 1], wanted[0], atol=1e-6)
 
 
+def test_planes_may_grow_as_their_light_spreads():
+    """Far away the far field keeps its place on a plane that grows with the distance."""
+    plane = NearFieldJob(CIRCLE, extent=1e-9, shape=(41, 41))
+    far = [at(0.01), at(0.001)]
+    frames = frames_of(NearSweepJob(plane, Sweep(*far), 2, zoom=True))
+    for frame, distance in zip(frames, far, strict=True):
+        assert frame.plane.report["plane_m"][0] == pytest.approx(8 * WAVELENGTH * distance / 2e-3, rel=1e-3)
+    shown = [frame.plane.irradiance / frame.plane.irradiance.max() for frame in frames]
+    np.testing.assert_allclose(shown[0], shown[1], atol=2e-3)
+    same = frames_of(NearSweepJob(plane, Sweep(*far), 2))
+    assert same[0].plane.grid == same[1].plane.grid
+
+
 def test_another_job_has_another_description():
     same = {"extent": 1e-3, "shape": (3, 3), "distance": 0.5}
     jobs_ = [

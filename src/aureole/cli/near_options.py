@@ -11,6 +11,7 @@ from aureole.cli import frames, options
 from aureole.cli.options import FILES
 from aureole.jobs import Sweep
 
+MOST_STOPS = 100.0
 PLANE, LIGHT, METHOD, SWEEP = "Plane", "Light", "Method", "Many distances"
 
 Shape = Annotated[
@@ -185,6 +186,8 @@ class SweepFlags:
     ----------
     sweep, sweep_by, frames : optional
         The distances, and which of them are wanted.
+    zoom : bool
+        Whether planes grow with the distance.
     overwrite : bool
         Whether files of frames that are there are made again.
     strip, section : Path, optional
@@ -208,6 +211,15 @@ class SweepFlags:
             rich_help_panel=SWEEP,
         ),
     ] = "log"
+    zoom: Annotated[
+        bool,
+        typer.Option(
+            "--zoom",
+            help="Each plane is wider by 8 x wavelength x distance / opening's width, as its light spreads; "
+            "all are of one size otherwise.",
+            rich_help_panel=SWEEP,
+        ),
+    ] = False
     frames: Annotated[
         str | None,
         typer.Option("--frames", help="Only these planes: 1-48x2, or 3,7,9.", rich_help_panel=SWEEP),
@@ -234,13 +246,16 @@ class SweepFlags:
         ),
     ] = None
 
-    def values(self) -> tuple[Sweep, int | None] | None:
-        """Return the distances and how many planes; None where there is no sweep."""
-        if self.sweep is None:
-            for name in ("frames", "overwrite", "strip", "section"):
-                if getattr(self, name):
-                    raise refuse.Refusal(f"'{name}' needs 'sweep', such as --sweep 0.05m:2m:48.")
-            return None
+    def wanted(self) -> bool:
+        """Return whether there is a sweep; refuse flags that need one."""
+        for name in ("zoom", "frames", "overwrite", "strip", "section"):
+            if self.sweep is None and getattr(self, name):
+                raise refuse.Refusal(f"'{name}' needs 'sweep', such as --sweep 0.05m:2m:48.")
+        return self.sweep is not None
+
+    def distances(self) -> tuple[Sweep, int | None]:
+        """Return the distances, and how many planes where that is said."""
+        assert self.sweep is not None
         parts = self.sweep.split(":")
         if len(parts) not in (2, 3):
             raise _no_sweep(self.sweep)
@@ -306,9 +321,10 @@ def exposure(text: str | None) -> float | str | None:
     if text is None or text == "auto":
         return text
     try:
-        return refuse.finite("exposure", float(text))
+        stops = float(text)
     except ValueError:
         raise refuse.Refusal(f"'exposure' must be stops such as -1.5, or auto, got '{text}'.") from None
+    return refuse.between("exposure", stops, -MOST_STOPS, MOST_STOPS)
 
 
 def _no_sweep(text: str) -> refuse.Refusal:

@@ -10,6 +10,7 @@ import numpy as np
 
 from aureole import jobs, picture, refuse
 from aureole.cli import frames, output, views
+from aureole.cli.near_options import SweepFlags
 from aureole.records import Field, Picture
 
 SHOWN = ("png", "jpeg")
@@ -71,46 +72,35 @@ def plane(job: jobs.NearFieldJob, files: NearFiles, as_json: bool) -> None:
     output.report("near field", result.report, written, as_json, time.perf_counter() - start)
 
 
-def sweep(
-    plane: jobs.NearFieldJob,
-    distances: jobs.Sweep,
-    count: int | None,
-    numbers: tuple[int, ...] | None,
-    overwrite: bool,
-    files: NearFiles,
-    as_json: bool,
-) -> None:
+def sweep(plane: jobs.NearFieldJob, many: SweepFlags, files: NearFiles, as_json: bool) -> None:
     """Make the planes, the strip and the section of a sweep, write each when it is ready, and report.
 
     Parameters
     ----------
     plane : NearFieldJob
         What each of them is.
-    distances : Sweep
-        Where they are.
-    count : int, optional
-        How many; a section alone needs none.
-    numbers : tuple of int, optional
-        Those that are wanted.
-    overwrite : bool
-        Whether frames that are there are made again.
+    many : SweepFlags
+        Where they are and which of them are wanted.
     files : NearFiles
         What to write.
     as_json : bool
         Whether a machine reads the report.
     """
     start = time.perf_counter()
+    distances, count = many.distances()
+    numbers = many.numbers()
     pattern, strip = _outputs(files, count)
     first = None if pattern is None else frames.frame(pattern, 1)
     written = output.places(first, strip, files.section)[first is not None :]
+    if files.section is not None:
+        refuse.at_least("rows of the section", plane.shape[0], 2)
     report: dict[str, Any] = {}
-    if pattern is not None or strip is not None:
-        assert count is not None
+    if count is not None and (pattern is not None or strip is not None):
 
         def is_done(number: int, description: str) -> bool:
-            return pattern is not None and _is_there(pattern, number, description, overwrite, files)
+            return pattern is not None and _is_there(pattern, number, description, many.overwrite, files)
 
-        job = jobs.NearSweepJob(plane, distances, count, numbers, strip is not None, is_done)
+        job = jobs.NearSweepJob(plane, distances, count, numbers, strip is not None, many.zoom, is_done)
         result = _planes(job, pattern, files)
         report |= result.report
         if strip is not None:

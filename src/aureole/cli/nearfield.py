@@ -67,8 +67,7 @@ def nearfield(
     files = near_runs.NearFiles(
         out, preview, amplitude, many.strip, many.section, near_options.exposure(exposure)
     )
-    distances = many.values()
-    if distances is None:
-        near_runs.plane(job, files, as_json)
+    if many.wanted():
+        near_runs.sweep(job, many, files, as_json)
     else:
-        near_runs.sweep(job, *distances, many.numbers(), many.overwrite, files, as_json)
+        near_runs.plane(job, files, as_json)

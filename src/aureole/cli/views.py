@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 from aureole import light, picture, refuse
 from aureole.records import Picture
 
+# No picture is made brighter by more: what is left is rounding.
+MOST_STOPS = 100.0
+
 
 def matte(path: Path, source: Picture) -> NDArray[np.float32]:
     """Read a matte of a picture's size.
@@ -112,7 +115,7 @@ def irradiance(source: Picture, exposure: float | str) -> tuple[NDArray[np.float
     largest = picture.into_gamut(light.convert(source, "rec709").pixels[..., :3]).max(axis=2)
     peak = float(largest.max())
     # A ten-thousandth of room keeps rounding from calling the brightest too bright.
-    stops = -math.log2(peak * 1.0001) if exposure == "auto" and peak > 0 else 0.0
+    stops = min(-math.log2(peak * 1.0001), MOST_STOPS) if exposure == "auto" and peak > 0 else 0.0
     if exposure != "auto":
         stops = float(exposure)
     over = float(np.mean(largest * 2.0**stops > 1))

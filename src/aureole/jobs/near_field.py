@@ -25,6 +25,8 @@ HALF_PLANE_WIDTH = 1e-3
 WAVELENGTH = 550e-9
 # The plane is so many widths of the opening wide; behind a half plane, which has none, so many √(λz).
 WIDTHS, FRINGES = 2.0, 10.0
+# A plane that grows with the distance gains so many λz / width, the far field's scale.
+SPREAD = 8.0
 # Measured peaks, rounded up: planes, and tables of each row and column against the opening's pixels.
 BYTES_PER_PIXEL = 80
 BYTES_PER_TABLE_ENTRY = 40
@@ -153,16 +155,19 @@ class NearSetup:
 
     def fresnel_number(self, distance: float) -> float:
         """Return (width/2)² / (λ distance), which has no unit."""
-        return (self.aperture.width / 2) ** 2 / (self.wavelength * distance)
+        half = self.aperture.width / 2
+        return half * half / self.wavelength / distance
 
-    def grid(self, distance: float) -> Grid:
-        """Return the plane's samples; the distance sets the width where neither job nor opening does."""
+    def grid(self, distance: float, zoom: bool = False) -> Grid:
+        """Return the plane's samples; it grows with the distance on request, or where nothing has a width."""
         rows, columns = self.job.shape
         extent = WIDTHS * self.aperture.width
         if not self.has_width:
             extent = FRINGES * math.sqrt(self.wavelength * distance)
         if self.job.extent is not None:
             extent = self.job.extent
+        if zoom and self.has_width:
+            extent += SPREAD * self.wavelength * distance / self.aperture.width
         x, y = self.job.centre
         return Grid((rows, columns), (extent / columns, extent / columns), (y, x))
 

@@ -78,6 +78,8 @@ class NearSweepJob:
         Those that are wanted; all where it is left out.
     strip : bool
         Whether to make a strip of small pictures of them, too.
+    zoom : bool
+        Whether each plane is as wide as its own light spreads; all are of one size otherwise.
     is_done : callable, optional
         Asked with a plane's number and description, before any work; planes that it says are done are
         not made again, but for a strip.
@@ -88,6 +90,7 @@ class NearSweepJob:
     count: int
     numbers: tuple[int, ...] | None = None
     strip: bool = False
+    zoom: bool = False
     is_done: Callable[[int, str], bool] | None = None
 
 
@@ -179,16 +182,17 @@ def run_near_sweep(job: NearSweepJob) -> Iterator[Stage]:
     """
     yield Stage(0.0, "aperture")
     setup, distances = _set_up(job.plane, job.sweep, job.count)
-    grid = setup.grid(max(distances))
+    far = max(distances)
     numbers = _numbers(job)
+    grids = {n: setup.grid(distances[n - 1] if job.zoom else far, job.zoom) for n in numbers}
     done = set()
     if job.is_done is not None:
-        done = {n for n in numbers if job.is_done(n, setup.description(grid, distances[n - 1]))}
+        done = {n for n in numbers if job.is_done(n, setup.description(grids[n], distances[n - 1]))}
     reports = {n: {"number": n, "distance_m": distances[n - 1], "kept": n in done} for n in numbers}
     made = numbers if job.strip else [n for n in numbers if n not in done]
-    ready, tiles = on_grid(setup, grid), []
+    ready, tiles = on_grid(setup, grids[numbers[0]]), []
     for index, number in enumerate(made):
-        plane = None
+        plane, ready = None, ready if grids[number] == ready.grid else on_grid(setup, grids[number])
         for stage in plane_stages(ready, distances[number - 1]):
             plane = stage.result
             if plane is None:
@@ -282,6 +286,7 @@ def _report(plane: NearPlane, sweep: Sweep) -> dict[str, Any]:
 def _frame_report(plane: dict[str, Any]) -> dict[str, Any]:
     """Keep of a plane's numbers what differs from plane to plane."""
     own = (
+        "plane_m",
         "fresnel_number",
         "largest_irradiance",
         "mean_irradiance",
