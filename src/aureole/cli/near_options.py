@@ -184,10 +184,12 @@ class SweepFlags:
 
     Parameters
     ----------
-    sweep, sweep_by, frames : optional
-        The distances, and which of them are wanted.
+    sweep, sweep_by : optional
+        The distances.
     zoom : bool
         Whether planes grow with the distance.
+    frames : optional
+        Which of them are wanted.
     overwrite : bool
         Whether files of frames that are there are made again.
     strip, section : Path, optional
