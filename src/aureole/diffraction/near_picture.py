@@ -23,8 +23,8 @@ STRENGTH = 0.05
 # The reference wavelength of "approximate" is the geometric mean of these, or of the light's own within.
 LOW, HIGH = 400e-9, 700e-9
 # Wavelengths of "exact" where none are asked for: so many to each √(λz) of the longest way from an edge.
-FEWEST, MOST = 30, 120
-TO_A_ZONE = 2.2
+FEWEST, MOST = 30, 160
+TO_A_ZONE = 3.2
 # Wavelengths of "approximate": a step moves the pattern by about a sample at the rim.
 FEWEST_STRETCHED, MOST_STRETCHED = 12, 60
 # A stretched pattern may reach beyond the plane by so many times its samples.
@@ -92,10 +92,10 @@ def near_picture(
     -----
     At d from an edge the fringes of two wavelengths are out of step by d²/(2λz) · Δλ/λ periods, so that the
     colours wash out far from the edges, and too few wavelengths leave false fringes there, faint ones.
-    None takes 2.2 wavelengths to each √(λz) of the longest way from an edge to a place on the plane, at
-    least 30 and at most 120. `benchmarks/near_field_colour.py` measures what is left: for a heptagon on a
-    plane of twice its width about 0.2 % RMS of the white, where 30 wavelengths leave 0.4 % at Fresnel
-    numbers from 30 to 300.
+    None takes 3.2 wavelengths to each √(λz) of the longest way from an edge to a place on the plane, at
+    least 30 and at most 160. For a heptagon on a plane of twice its width, at Fresnel numbers of 30, 100 and
+    300, that leaves an error of about 0.05, 0.15 and 0.1 % of the white (RMS), where 30 wavelengths leave
+    0.4, 0.5 and 0.5 %, and single places up to 5 % (`benchmarks/near_field_colour.py --wavelengths`).
 
     "approximate" keeps the white: the light's where nothing blocks the wave, and so not each wavelength's
     energy, which changes by the square of the scale, 4 % at most with the paper's strength.
@@ -206,7 +206,7 @@ def wavelengths_needed(aperture: Aperture, grid: Grid, distance: float, waveleng
     Returns
     -------
     int
-        30 to 120.
+        30 to 160.
     """
     farthest = max(float(np.abs(axis).max()) for axis in grid.axes()) + aperture.width / 2
     zones = farthest / math.sqrt(wavelength * distance)
