@@ -23,6 +23,7 @@ near_pixels its methods for masks: products of tables of Fresnel integrals
 near_progressive the near field of an aperture that changes
 near_fft    its convolution, where the plane's places have the pixels' pitch
 near_outlines  its methods for exact outlines: integrals along their boundary
+near_sums   powers of many wavelengths behind one aperture, added up in XYZ
 near_picture  the near field in colour, exact or by the quad paper's approximation
 ringing     ringing textures: the near field of a lens's stop, for ghosts
 measures    transfer functions, Strehl ratio, encircled energy and cut-off of a pupil

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from aureole import light, refuse
 from aureole.diffraction.far import RASTER_SIZE, check_grid
 from aureole.diffraction.near import NearOperator, near_power
+from aureole.diffraction.near_sums import PlaneSum, RowsSum
 from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
 
 METHODS = ("exact", "approximate")
@@ -221,30 +222,12 @@ def _exact(
         middle = _reference_wavelength(spectrum, None)
         samples = wavelengths_needed(operator.aperture, operator.grid, distance, middle)
     wavelengths, weights = light.quadrature(spectrum, samples)
-    total = _PlaneSum(operator)
+    of_rows = operator.method == "rows" and operator.aperture.wavefront is None
+    total = RowsSum(operator) if of_rows else PlaneSum(operator)
     for index, (wavelength, weight) in enumerate(zip(wavelengths, weights, strict=True)):
         yield Stage(index / len(wavelengths), f"near field at {wavelength * 1e9:.0f} nm")
         total.add(distance, float(wavelength), weight)
     yield Stage(1.0, "near field", light.in_white_of(spectrum, total.pixels()))
-
-
-class _PlaneSum:
-    """Powers of many wavelengths, added up on the whole plane."""
-
-    def __init__(self, operator: NearOperator) -> None:
-        from aureole.diffraction import _kernels_near_colour  # compiled code: loaded when first used
-
-        self._kernels, self._operator = _kernels_near_colour, operator
-        self._total = np.zeros((*operator.grid.shape, 3), dtype=np.float32)
-
-    def add(self, distance: float, wavelength: float, weight: NDArray[np.float64]) -> None:
-        """Add one wavelength."""
-        power = self._operator.power(distance, wavelength).astype(np.float32, copy=False)
-        self._kernels.add_plane(power, weight.astype(np.float32), self._total)
-
-    def pixels(self) -> NDArray[np.float32]:
-        """Return X, Y and Z, shape (rows, columns, 3)."""
-        return self._total
 
 
 class _Stretch:

@@ -139,7 +139,7 @@ def quads_parts(
     scale = scale_of(distance, wavelength) * aperture.width
     factors_y, factors_x = (
         _interval_factors(axis, places / aperture.width, scale)
-        for axis, places in zip(axes, _computed(grid), strict=True)
+        for axis, places in zip(axes, computed_places(grid), strict=True)
     )
     parts: list[Part] = []
     for part in range(4):
@@ -241,22 +241,58 @@ def rows_parts(
         Four at most.
     """
     assert aperture.mask is not None
-    size = len(aperture.mask)
     found = factor(aperture.mask) if factors is None else factors
-    edges = (np.arange(1.0, (size + 1) // 2 + 1) - 0.5 * (size % 2)) * (aperture.width / size)
-    used_y, used_x = used_edges(found, len(edges))
-    scale = scale_of(distance, wavelength)
-    places_y, places_x = _computed(grid)
-    if alike := np.array_equal(places_y, places_x):
-        used_y = used_y | used_x
-    tables_y = tables_x = _edge_factors(edges, used_y, places_y, grid.spacing[0], scale)
-    if not alike:
-        tables_x = _edge_factors(edges, used_x, places_x, grid.spacing[1], scale)
+    tables_y, tables_x = MaskAxes(aperture, grid, found).tables(distance, wavelength)
     parts: list[Part] = []
     for each in found:
         y, x = each.odd
         parts.append((2 * y + x, *sides(each, tables_y[y], tables_x[x])))
     return parts
+
+
+class MaskAxes:
+    """The edges of a mask's pixels and the places of a plane, along both axes.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        A raster.
+    grid : Grid
+        Metres.
+    factors : list of Factor
+        What `rows.factor` found in the aperture's mask.
+    """
+
+    def __init__(self, aperture: Aperture, grid: Grid, factors: list[Factor]) -> None:
+        assert aperture.mask is not None
+        size = len(aperture.mask)
+        self._edges = (np.arange(1.0, (size + 1) // 2 + 1) - 0.5 * (size % 2)) * (aperture.width / size)
+        self._used = used_edges(factors, len(self._edges))
+        self._spacing = grid.spacing
+        self.places = computed_places(grid)
+        self._alike = np.array_equal(*self.places)
+        if self._alike:
+            self._used = (self._used[0] | self._used[1],) * 2
+
+    def tables(self, distance: float, wavelength: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return the field of an interval from the centre to each edge that is used.
+
+        Parameters
+        ----------
+        distance, wavelength : float
+            Metres.
+
+        Returns
+        -------
+        along_y, along_x : ndarray of float32, shape (2, h, 2 M)
+            Even and odd; real and imaginary parts in turn.
+        """
+        scale = scale_of(distance, wavelength)
+        along_y = self._along(0, scale)
+        return along_y, along_y if self._alike else self._along(1, scale)
+
+    def _along(self, axis: int, scale: float) -> NDArray[np.float32]:
+        return _edge_factors(self._edges, self._used[axis], self.places[axis], self._spacing[axis], scale)
 
 
 def used_edges(factors: list[Factor], count: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -349,16 +385,14 @@ def write_tiles(
     """
     present = np.zeros(4, dtype=np.bool_)
     present[[part for part, _, _ in parts]] = True
-    rows, columns = (
-        count // 2 if centre == 0 else -1 for count, centre in zip(grid.shape, grid.centre, strict=True)
-    )
+    middle = middle_of(grid)
 
     def evaluate(tile: Tile) -> None:
         top, bottom, first, last = tile
         products = np.empty((4, 2 * (bottom - top), 2 * (last - first)), dtype=np.float32)
         for part, left, right in parts:
             np.matmul(left[:, 2 * top : 2 * bottom].T, right[:, 2 * first : 2 * last], out=products[part])
-        write(products, present, (top, first), (rows, columns), out)
+        write(products, present, (top, first), middle, out)
 
     in_threads(evaluate, tiles)
 
@@ -442,14 +476,45 @@ def differences(
     return out
 
 
-def _computed(grid: Grid) -> list[NDArray[np.float64]]:
-    """Return the places of the rows and the columns, from zero on where the grid is centred on zero."""
-    return [
+def computed_places(grid: Grid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the places of the rows and the columns, from zero on where the grid is centred on zero.
+
+    Parameters
+    ----------
+    grid : Grid
+        Metres.
+
+    Returns
+    -------
+    y, x : ndarray of float64
+        Metres.
+    """
+    y, x = (
         np.arange(count // 2 + 1, dtype=np.float64) * spacing if centre == 0 else axis
         for axis, count, spacing, centre in zip(
             grid.axes(), grid.shape, grid.spacing, grid.centre, strict=True
         )
-    ]
+    )
+    return y, x
+
+
+def middle_of(grid: Grid) -> tuple[int, int]:
+    """Return the row and the column at the origin, −1 where a plane is not centred on it.
+
+    Parameters
+    ----------
+    grid : Grid
+        Metres.
+
+    Returns
+    -------
+    row, column : int
+        Of the first of the computed places.
+    """
+    row, column = (
+        count // 2 if centre == 0 else -1 for count, centre in zip(grid.shape, grid.centre, strict=True)
+    )
+    return row, column
 
 
 def _interval_factors(axis: Axis, places: NDArray[np.float64], scale: float) -> NDArray[np.float32]:
