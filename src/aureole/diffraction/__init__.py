@@ -20,6 +20,7 @@ near        near_field, near_power and NearOperator: Fresnel diffraction at any 
 near_circles the near field of circles, exact: a table near the axis, edge waves elsewhere
 near_arcs   the near field of rings with arcs, exact: few nodes along an edge, or its ends
 near_pixels its methods for masks: products of tables of Fresnel integrals
+near_culling its power where it may exceed a level, zero elsewhere
 near_progressive the near field of an aperture that changes
 near_fft    its convolution, where the plane's places have the pixels' pitch
 near_outlines  its methods for exact outlines: integrals along their boundary

@@ -196,22 +196,33 @@ def evaluate(found: Survey, aperture: Aperture, grid: Grid) -> NDArray[np.float3
             np.matmul(left[:, top:bottom].T, right[:, first:last], out=products[part])
         _kernels_culling.write_tile(products, present, scale, (top, first), (zero[0], zero[1]), out)
 
-    in_threads(write, _runs(found))
+    in_threads(write, runs(found))
     return out
 
 
-def _runs(found: Survey) -> list[tuple[int, int, int, int]]:
-    """Return runs of lit tiles side by side as (top, bottom, first, last)."""
+def runs(found: Survey) -> list[tuple[int, int, int, int]]:
+    """Return runs of lit tiles side by side.
+
+    Parameters
+    ----------
+    found : Survey
+        Which tiles are lit.
+
+    Returns
+    -------
+    list of tuple of int
+        Top, bottom, first and last of each, up to `LONGEST_RUN` tiles wide.
+    """
     rows, columns = (each.tolist() for each in found.edges)
-    runs = []
+    listed = []
     for tile, (top, bottom) in enumerate(pairwise(rows)):
         steps = np.flatnonzero(np.diff(found.lit[tile].astype(np.int8), prepend=0, append=0)).tolist()
         for begin, end in zip(steps[0::2], steps[1::2], strict=True):
-            runs += [
+            listed += [
                 (top, bottom, columns[first], columns[min(first + LONGEST_RUN, end)])
                 for first in range(begin, end, LONGEST_RUN)
             ]
-    return runs
+    return listed
 
 
 def _moments(factors: list[Factor], size: int) -> tuple[float, list[float], list[float]]:

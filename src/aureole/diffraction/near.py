@@ -15,14 +15,18 @@ from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction.culling import check_level
 from aureole.diffraction.far import RASTER_SIZE, check_grid, computed
+from aureole.diffraction.near_culling import culled_near_power
 from aureole.diffraction.near_fft import fft_near, fft_near_power, lattice, lengths
 from aureole.diffraction.near_outlines import polygons_near, reference_outlines
 from aureole.diffraction.near_pixels import (
+    Part,
     quads_near,
     quads_near_power,
+    quads_parts,
     reference_near,
     rows_near,
     rows_near_power,
+    rows_parts,
     used_edges,
 )
 from aureole.diffraction.quadtree import FINEST, level_mask, quadtree
@@ -44,6 +48,8 @@ METHODS: dict[str, Method] = {
     "fft": fft_near,
 }
 POWERS: dict[str, Method] = {"quads": quads_near_power, "rows": rows_near_power, "fft": fft_near_power}
+# What tiles are computed from, for culling.
+PARTS: dict[str, Callable[..., list[Part]]] = {"quads": quads_parts, "rows": rows_parts}
 OF_PIXELS = ("quads", "rows", "fft")
 OF_WAVEFRONTS = ("reference", "rows", "fft")
 # Seconds a call and a unit of work, as `rows_work` and `fft_work` list them, fitted by
@@ -99,7 +105,7 @@ class NearOperator:
             raise refuse.Refusal(
                 f"method '{name}' sees an aperture as it is and takes no 'finest'; use 'rows' or 'quads'."
             )
-        self.grid = grid
+        self.grid, self._chosen = grid, name != "auto"
         self.aperture = _seen(aperture, raster_size, finest) if name in ("auto", *OF_PIXELS) else aperture
         self.method, self.prepared = _fastest(self.aperture, grid) if name == "auto" else (name, {})
         if self.aperture.wavefront is None and not self.prepared and self.method in PREPARATIONS:
@@ -150,10 +156,22 @@ class NearOperator:
         if cull:
             check_level(cull)
         self._check(distance, wavelength)
+        if cull and self._can_cull():
+            parts = PARTS[self.method](self.aperture, self.grid, distance, wavelength, **self.prepared)
+            return culled_near_power(parts, self.grid, cull)
         if self.method in POWERS:
             return POWERS[self.method](self.aperture, self.grid, distance, wavelength, **self.prepared)
         amplitude = self.field(distance, wavelength).amplitude
         return np.asarray(amplitude.real**2 + amplitude.imag**2)
+
+    def _can_cull(self) -> bool:
+        """Say whether tiles can be left out; refuse where this was not left to us."""
+        serves = self.method in PARTS and self.aperture.wavefront is None
+        if not serves and self._chosen:
+            raise refuse.Refusal(
+                f"method '{self.method}' computes every place of this aperture and cannot cull; use 'auto'."
+            )
+        return serves
 
     def _check(self, distance: float, wavelength: float) -> None:
         refuse.positive("distance", distance)
@@ -238,7 +256,8 @@ def near_power(
         As for `near_field`.
     cull : float, optional
         A level, of the irradiance where nothing blocks the wave: what lies below it may be left at zero
-        where that saves time. None or 0 leaves nothing out.
+        where that saves time: on planes wider than the opening, close behind it. Methods "auto", "rows"
+        and "quads" take it; None or 0 leaves nothing out.
 
     Returns
     -------
