@@ -69,9 +69,7 @@ def test_methods_that_compute_every_place_refuse_to_cull():
     grid = Grid((20, 20), (WIDTH / 256, WIDTH / 256))
     bent = Aperture(WIDTH, mask=shape.mask, wavefront=np.zeros((256, 256), dtype=np.float32))
     for method, opening in (("reference", shape), ("fft", shape), ("rows", bent)):
-        with refused(
-            f"method '{method}' computes every place of this aperture and cannot cull; use 'auto'."
-        ):
+        with refused(f"method '{method}' computes every place of this aperture and cannot cull; use 'auto'."):
             near_power(opening, grid, 0.1, WAVELENGTH, method, cull=1e-3)
     assert near_power(bent, grid, 0.1, WAVELENGTH, cull=1e-3).all()
 
