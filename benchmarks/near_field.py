@@ -1,6 +1,7 @@
 """Time the near field of rasters, method by method, and fit the chooser's costs.
 
     python benchmarks/near_field.py [--size 1024] [--runs 5] [--fit] [--work]
+    python benchmarks/near_field.py --moving [--size 1024] [--runs 5] [--work]
 
 Four anti-aliased shapes across half of the mask and across all of it, and a mask of random pixels; places
 with the pixels' pitch on a plane as wide as the mask, and on one twice as wide; a centred plane and one
@@ -12,15 +13,19 @@ With --fit, non-negative costs of a call and of each unit of work are fitted to 
 a quarter, a half and all of the size, and printed under the names that `near.py` gives them. With --work
 the time that all processors spent is taken instead of the clock, over the number of processors, which is
 steadier on a busy machine.
+
+With --moving, a round shadow wanders over the heptagon: a frame by `ProgressiveNearField`, and afresh.
 """
 
 import argparse
 import importlib.metadata
+import itertools
 import os
 import platform
 import statistics
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 import scipy
@@ -28,7 +33,7 @@ from scipy import optimize
 
 from aureole import Aperture, Grid, aperture
 from aureole.bench import shapes
-from aureole.diffraction import NearOperator, near, near_power
+from aureole.diffraction import NearOperator, ProgressiveNearField, near, near_field, near_power
 from aureole.diffraction.near_fft import lattice
 
 METHODS = ("rows", "fft", "quads")
@@ -51,17 +56,23 @@ def cases(size: int) -> Iterator[tuple[str, Aperture, Grid]]:
                 yield f"{name}, {times}x{', aside' if aside else ''}", mask, grid
 
 
+def once(task: Callable[[], object], work: bool) -> float:
+    """Time a task, in milliseconds."""
+    clock, worked = time.perf_counter(), time.process_time()
+    task()
+    if work:
+        return 1e3 * (time.process_time() - worked) / (os.cpu_count() or 1)
+    return 1e3 * (time.perf_counter() - clock)
+
+
 def medians(tasks: dict[str, Callable[[], object]], runs: int, work: bool) -> dict[str, float]:
     """Time tasks in turn, in milliseconds; the first time does not count."""
     taken: dict[str, list[float]] = {name: [] for name in tasks}
-    share = 1 / (os.cpu_count() or 1)
     for run in range(runs + 1):
         for name, task in tasks.items():
-            clock, worked = time.perf_counter(), time.process_time()
-            task()
-            spent = share * (time.process_time() - worked) if work else time.perf_counter() - clock
+            spent = once(task, work)
             if run:
-                taken[name].append(1e3 * spent)
+                taken[name].append(spent)
     return {name: statistics.median(each) for name, each in taken.items()}
 
 
@@ -86,6 +97,32 @@ def fit(gathered: dict[str, list[tuple[list[float], float]]]) -> None:
         )
 
 
+def moving(size: int, runs: int, work: bool) -> None:
+    """Print a line for each size of a shadow: a frame from the one before, and afresh."""
+    opening = shapes.raster("heptagon", size, 1.0)
+    pitch = opening.width / size
+    grid = Grid((size, size), (pitch, pitch))
+    distance = (opening.width / 2) ** 2 / (WAVELENGTH * FRESNEL_NUMBER)
+    y, x = np.mgrid[:size, :size] / size - 0.5
+    print(f"{'shadow over opening':30}{'update':>9}{'afresh':>9}{'ratio':>8}")
+    for across in (0.04, 0.12, 0.3):
+        progressive = ProgressiveNearField(grid, distance, WAVELENGTH)
+        frames = (
+            aperture.from_mask(
+                np.where(np.hypot(x - 0.008 * k, y + 0.05 - 0.005 * k) < across / 2, 0, opening.mask),
+                opening.width,
+            )
+            for k in range(1000)
+        )
+        progressive.update(next(frames))
+        taken: dict[str, list[float]] = {"update": [], "afresh": []}
+        for shape in itertools.islice(frames, runs):
+            taken["update"].append(once(partial(progressive.update, shape), work))
+            taken["afresh"].append(once(partial(near_field, shape, grid, distance, WAVELENGTH), work))
+        update_ms, afresh_ms = (statistics.median(each) for each in taken.values())
+        print(f"{across:<30}{update_ms:9.2f}{afresh_ms:9.2f}{afresh_ms / update_ms:8.2f}", flush=True)
+
+
 def main() -> None:
     """Print a line for each mask and plane."""
     parser = argparse.ArgumentParser(description="Time the near field of rasters, method by method.")
@@ -93,7 +130,11 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--fit", action="store_true", help="fit the chooser's costs")
     parser.add_argument("--work", action="store_true", help="take the processors' time, not the clock's")
+    parser.add_argument("--moving", action="store_true", help="a shadow that wanders, instead")
     given = parser.parse_args()
+    if given.moving:
+        moving(given.size, given.runs, given.work)
+        return
     print(
         f"{platform.platform()}, {os.cpu_count()} processors, Python {platform.python_version()}, NumPy "
         f"{np.__version__}, SciPy {scipy.__version__}, Aureole {importlib.metadata.version('aureole')}\n"

@@ -72,17 +72,17 @@ def test_equals_a_fresh_field_after_a_hundred_updates_of_a_moving_shadow():
 
 
 @pytest.mark.parametrize("centre", [(0.0, 0.0), (1.5e-3, 0.0)])
-def test_thousands_of_updates_do_not_drift(centre):
+def test_hundreds_of_updates_do_not_drift(centre):
     """Three masks in turn repeat the same rounding, the worst case; each is the others' opposite in part."""
     grid, rng = Grid((12, 13), (1e-4, 1e-4), centre), np.random.default_rng(5)
     cycle = [Aperture(WIDTH, mask=rng.random((16, 16)).astype(np.float32)) for _ in range(3)]
     progressive = begun(grid, 3.0)
     refreshes = 0
-    for count in range(2000):
+    for count in range(500):
         progressive.update(cycle[count % 3])
         refreshes += progressive.refreshed
-    assert error(progressive, cycle[2000 % 3], grid, 3.0) < DRIFT
-    assert 10 < refreshes < 200
+    assert error(progressive, cycle[500 % 3], grid, 3.0) < DRIFT
+    assert 3 < refreshes < 50
 
 
 def test_far_away_rounding_is_measured_by_the_faint_field():
