@@ -12,7 +12,7 @@ from aureole.records import Aperture, Outline
 
 WIDTH = 2e-3
 WAVELENGTH = 550e-9
-ABSOLUTE = 1e-6  # where nothing blocks the wave the field is 1
+ABSOLUTE = 2e-6  # where nothing blocks the wave the field is 1
 SHAPES = {
     "rectangle": aperture.rectangle(WIDTH, WIDTH / 2),
     "turned": aperture.rotated(aperture.rectangle(WIDTH, WIDTH / 2), math.pi / 2),

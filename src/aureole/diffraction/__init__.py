@@ -24,6 +24,7 @@ near_culling its power where it may exceed a level, zero elsewhere
 near_progressive the near field of an aperture that changes
 near_fft    its convolution, where the plane's places have the pixels' pitch
 near_outlines  its methods for exact outlines: integrals along their boundary
+near_polygons  straight edges among them, corner by corner or as a product of two matrices
 near_sums   powers of many wavelengths behind one aperture, added up in XYZ
 near_picture  the near field in colour, exact or by the quad paper's approximation
 ringing     ringing textures: the near field of a lens's stop, for ghosts

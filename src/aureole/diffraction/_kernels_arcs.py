@@ -83,7 +83,7 @@ def _sine(turns: np.float32) -> np.float32:
 
 
 @numba.njit(inline="always")
-def _cos_sin(turns: float) -> tuple[np.float32, np.float32]:
+def cos_sin(turns: float) -> tuple[np.float32, np.float32]:
     """Return cosine and sine of 2π turns, turns float64 of any size."""
     part = np.float32(turns - np.floor(turns + 0.5))
     before = part - QUARTER
@@ -98,7 +98,7 @@ def _sixth(x: np.float32, C: tuple[np.float32, ...]) -> np.float32:
 
 
 @numba.njit(inline="always")
-def _auxiliary(w: np.float32) -> tuple[np.float32, np.float32]:
+def auxiliary(w: np.float32) -> tuple[np.float32, np.float32]:
     """Return the Fresnel auxiliary functions f and g of w >= 0."""
     D, F, G = DENOMINATOR, F_TOP, G_TOP
     d = D[3] + w * (D[4] + w * (D[5] + w * (D[6] + w * (D[7] + w * D[8]))))
@@ -130,7 +130,7 @@ def _end(
     h2 = -QUARTER * QUARTER * t * m
     both = inverse_r * inverse_s
     h3 = t * _sixth(r, THIRD) * both * both * both * inverse_r * inverse_r
-    f, g = _auxiliary(w)
+    f, g = auxiliary(w)
     square = inverse_z * inverse_z
     # g(0) − g₁(0) / (iz) + g₂(0) / (iz)²
     real, imag = ONE + np.float32(0.1171875) * square, np.float32(-0.375) * inverse_z
@@ -238,7 +238,7 @@ def _stationary(radius: float, x: float, y: float, u: F64, v: float, frequency: 
     for j in range(TILE):
         mark = sums[MARK + j]
         side = ONE if abs(mark) < ONE + HALF else -ONE
-        cosine, sine = _cos_sin(-(u[j] * x + v * y) - side * radius * frequency[j])
+        cosine, sine = cos_sin(-(u[j] * x + v * y) - side * radius * frequency[j])
         inverse_z = inverse_turn * sums[INVERSE + j]
         # g(0) − g₁(0) / (iz) + g₂(0) / (iz)² times 1 + i
         even = ONE + np.float32(0.1171875) * inverse_z * inverse_z
@@ -263,7 +263,7 @@ def disc(radius: float, transmittance: float, frequency: F64, sums: F32) -> None
         x = np.float32(2 * math.pi * turns)
         over = ONE / max(x, limit)
         square = limit * limit * over * over
-        cosine, sine = _cos_sin(turns - 0.375)
+        cosine, sine = cos_sin(turns - 0.375)
         wave = _sixth(square, BESSEL_P) * cosine - _sixth(square, BESSEL_Q) * over * sine
         wave *= amplitude * np.sqrt(over) * over
         low = min(x, limit)

@@ -24,13 +24,15 @@ TOUCH = 1e-9
 class Polygons(NamedTuple):
     """Rings of straight edges in units of √(λz / 2).
 
-    vertices (V, 2) hold x, y; after (V,) the vertex to which each one's edge leads; directions (V, 2) that
+    vertices (V, 2) hold x, y; after and before (V,) the next vertex, to which each one's edge leads, and the
+    last; directions (V, 2) that
     edge's unit vector; anchors (V,) the end from which its distance is told, the nearer one to the plane's
     middle; weights (V,) its ring's transmittance, signed by the ring's direction.
     """
 
     vertices: F64
     after: I64
+    before: I64
     directions: F64
     anchors: I64
     weights: F64
@@ -102,21 +104,3 @@ def _corner(x: float, y: float, along_x: float, along_y: float, h: float, tables
     cosine, sine = turned(0.25 * (x * x + y * y)) if size + abs(s) < FLAT else (1.0, 0.0)
     wave = complex(real * cosine - imag * sine, real * sine + imag * cosine)
     return edge_wave(size, tables.taylor) - wave if s < 0 else wave
-
-
-@numba.njit(cache=True, parallel=True)
-def fill_places(x: F64, y: F64, shape: Polygons, tables: Tables, out: NDArray[np.complex64]) -> None:
-    """Fill the field on a plane, place by place.
-
-    Parameters
-    ----------
-    x, y : ndarray
-        Of the columns and of the rows.
-    shape, tables
-        As of `field_at`.
-    out : ndarray of complex64, shape (rows, columns)
-        Added to.
-    """
-    for row in numba.prange(len(y)):
-        for j in range(len(x)):
-            out[row, j] += field_at(x[j], y[row], shape, tables)

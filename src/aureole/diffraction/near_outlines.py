@@ -9,30 +9,22 @@ Fresnel's approximation):
 The integrand is smooth everywhere, on the boundary too. Straight edges have it in closed form: `corner`.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import refuse
-from aureole.diffraction.corner import corner_table
-from aureole.diffraction.fresnel import taylor_table
 from aureole.diffraction.near_arcs import arcs_near
 from aureole.diffraction.near_circles import circle_near
 from aureole.diffraction.near_pixels import scale_of
+from aureole.diffraction.near_polygons import straight_near
 from aureole.records import Aperture, Grid, Outline
-
-if TYPE_CHECKING:
-    from aureole.diffraction._kernels_near_polygons import Polygons
 
 # Turns of the phase, at most, along a panel of twelve nodes: its error is below 1e-11.
 PANEL_TURNS = 2.0
 # Nodes are summed in batches, so that memory stays flat; more panels than this are refused.
 BATCH = 1 << 14
 MOST_PANELS = 1e7
-# Scaled lengths whose squares float32 holds; nearer planes show the shadow, to 1e-9.
-LARGEST = 1e17
 
 
 def reference_outlines(
@@ -83,7 +75,7 @@ def polygons_near(
     Returns
     -------
     ndarray of complex64, shape (rows, columns)
-        Without unit; to about 1e-6.
+        Without unit; to about 2e-6.
 
     Raises
     ------
@@ -103,40 +95,8 @@ def polygons_near(
         else:
             straight.append(ring)
     if straight:
-        _add_straight(straight, grid, scale_of(distance, wavelength), out)
+        out += straight_near(straight, grid, scale_of(distance, wavelength))
     return out
-
-
-def _add_straight(rings: list[Outline], grid: Grid, scale: float, out: NDArray[np.complex64]) -> None:
-    """Add the field of rings of straight edges."""
-    from aureole.diffraction import _kernels_near_polygons as kernels  # compiled code: loaded when first used
-
-    y, x = grid.axes()
-    size = max(float(np.max(np.abs(each))) for each in (y, x, *(ring.vertices for ring in rings)))
-    scale = min(scale, LARGEST / size)
-    tables = kernels.Tables(taylor_table(), *corner_table())
-    y, x = y * scale, x * scale
-    kernels.fill_places(x, y, _polygons(rings, scale, (x[len(x) // 2], y[len(y) // 2])), tables, out)
-
-
-def _polygons(rings: list[Outline], scale: float, middle: tuple[float, float]) -> "Polygons":
-    """Return the edges of rings as the kernels read them, lengths times the scale."""
-    from aureole.diffraction._kernels_near_polygons import Polygons
-
-    corners, after, weights, first = [], [], [], 0
-    for ring in rings:
-        points = ring.vertices * scale
-        points = points[np.any(points != np.roll(points, -1, axis=0), axis=1)]
-        corners.append(points)
-        after.append(first + (np.arange(len(points)) + 1) % max(len(points), 1))
-        weights.append(np.full(len(points), ring.transmittance * apertures.orientation(ring)))
-        first += len(points)
-    vertices, ends = np.concatenate(corners), np.concatenate(after)
-    edges = vertices[ends] - vertices
-    away = np.hypot(*(vertices - middle).T)
-    anchors = np.where(away[ends] < away, ends, np.arange(len(ends)))
-    directions = edges / np.hypot(*edges.T)[:, None]
-    return Polygons(vertices, ends, directions, anchors, np.concatenate(weights))
 
 
 def _boundary_sum(ring: Outline, grid: Grid, scale: float) -> NDArray[np.complex128]:

@@ -293,13 +293,13 @@ def _spectra(lines: NDArray[np.float32], table: NDArray[np.float32]) -> NDArray[
     return out
 
 
-def multiply(pairs: list[tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]]) -> None:
+def multiply(pairs: list[tuple[NDArray[Any], NDArray[Any], NDArray[Any]]]) -> None:
     """Take matrix products in bands of rows, one thread each.
 
     Parameters
     ----------
     pairs : list of tuple
-        Left and right matrix, and the array that their product goes into.
+        Left and right matrix, and the array that their product goes into, real or complex.
     """
     bands = []
     for left, right, out in pairs:

@@ -1,0 +1,385 @@
+"""Compiled loops of the near field of straight-edged outlines, row by row, lengths in units of √(λz / 2).
+
+A row's field is summed from what belongs to edges and what belongs to corners. An edge adds its winding and,
+where the foot of the perpendicular lies on it, the wave of a whole straight edge; both are ranges of columns,
+found in float64, so that they agree on every place. A corner adds exp(iπρ² / 2) times the smooth amplitudes
+g(|h|, |s|) of its two edges, signed: a series far off, a polynomial near by (`corner` has both). Those loops
+have no branches and run in float32 vectors; what passes through zero is counted from its zero.
+"""
+
+import math
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole.diffraction._kernels_arcs import FAST, HALF, ONE, TWO, auxiliary, cos_sin
+from aureole.diffraction._kernels_corner import NEAR, STRETCH
+from aureole.diffraction._kernels_near_polygons import Polygons, Tables, field_at, side_of
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+I64 = NDArray[np.int64]
+# Slope, shift and rest of what is linear over the columns; two of these, and a range of columns.
+Line = tuple[np.float32, np.float32, np.float32]
+End = tuple[Line, Line, tuple[np.float32, np.float32]]
+
+# Columns that the loops of a corner's surroundings take at a time; rows of the plane are whole blocks.
+BLOCK = 32
+# Places as near as this to a corner are computed in float64.
+CLOSE = 1e-4
+PER_TURN, PER_HALF_TURN = np.float32(1 / (2 * math.pi)), np.float32(1 / math.pi)
+# The tail of a Fresnel integral is nothing from here on.
+FLAT, TINY = np.float32(1e6), np.float32(1e-30)
+# A block's buffers: x and y of the polynomial, min / max of |h| and |s|, sums, a row of the polynomial.
+AT_X, AT_Y, RATIO, REAL, IMAG, PART, WORK = (k * BLOCK for k in (0, 1, 2, 3, 4, 5, 7))
+
+
+@numba.njit(cache=True, parallel=True)
+def fill_waves(points: F64, places: F64, out: F32) -> None:
+    """Fill the cosine and the sine of π(point − place)² / 2.
+
+    Parameters
+    ----------
+    points : ndarray, shape (V,)
+        One coordinate of the corners.
+    places : ndarray, shape (C,)
+        The same coordinate of columns or rows.
+    out : ndarray of float32, shape (V, 2, C)
+        Filled.
+    """
+    for k in numba.prange(len(points)):
+        for j in range(len(places)):
+            away = points[k] - places[j]
+            out[k, 0, j], out[k, 1, j] = cos_sin(0.25 * away * away)
+
+
+@numba.njit(cache=True, parallel=True)
+def add_rows(
+    x: F64,
+    y: F64,
+    shape: Polygons,
+    chunk: tuple[int, int],
+    waves: tuple[F32, F32],
+    table: tuple[F32, I64],
+    out: NDArray[np.complex64],
+) -> None:
+    """Add what some corners, and the edges from them on, bring to a plane.
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Of the columns, filled up to whole blocks, and of the rows.
+    shape : Polygons
+        All corners.
+    chunk : tuple of int
+        The first corner that counts, and the first that does not any more.
+    waves : tuple of ndarray
+        From `fill_waves`, of these corners: along x and along y.
+    table : tuple of ndarray
+        From `corner.corner_table`, in float32.
+    out : ndarray of complex64, shape (rows, columns)
+        Added to.
+    """
+    for row in numba.prange(len(y)):
+        line = np.zeros((2, len(x)), np.float32)
+        work = np.zeros(WORK, np.float32)
+        for k in range(chunk[0], chunk[1]):
+            _edge(x, y[row], shape, k, line)
+            _corner(x, y[row], shape, k, waves, (k - chunk[0], row), table, work, line)
+        for j in range(out.shape[1]):
+            out[row, j] += complex(line[0, j], line[1, j])
+
+
+@numba.njit(cache=True, parallel=True)
+def mend_corners(x: F64, y: F64, shape: Polygons, tables: Tables, out: NDArray[np.complex64]) -> None:
+    """Compute places that lie on corners, or nearly, in float64.
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Of the columns and of the rows.
+    shape, tables
+        As of `field_at`.
+    out : ndarray of complex64, shape (rows, columns)
+        Some places are overwritten.
+    """
+    for row in numba.prange(len(y)):
+        for k in range(len(shape.after)):
+            if abs(shape.vertices[k, 1] - y[row]) < CLOSE:
+                first = np.searchsorted(x, shape.vertices[k, 0] - CLOSE)
+                for j in range(first, len(x)):
+                    if x[j] > shape.vertices[k, 0] + CLOSE:
+                        break
+                    out[row, j] = field_at(x[j], y[row], shape, tables)
+
+
+@numba.njit(cache=True)
+def _negative(x: F64, origin: float, slope: float, rest: float, zero: bool) -> tuple[int, int]:
+    """Return the first column where (origin − x) slope + rest is < 0, or 0 if `zero`, and the first after."""
+    last = len(x) - 1
+    value = (origin - x[0]) * slope + rest
+    at_first = value < 0 or (zero and value == 0)
+    value = (origin - x[last]) * slope + rest
+    at_last = value < 0 or (zero and value == 0)
+    if at_first == at_last:
+        return (0, len(x)) if at_first else (0, 0)
+    low, high = 0, last
+    while high - low > 1:
+        middle = (low + high) // 2
+        value = (origin - x[middle]) * slope + rest
+        if (value < 0 or (zero and value == 0)) == at_first:
+            low = middle
+        else:
+            high = middle
+    return (0, high) if at_first else (high, len(x))
+
+
+@numba.njit(cache=True)
+def _edge(x: F64, y: float, shape: Polygons, k: int, line: F32) -> None:
+    """Add an edge's winding, and its wave where the foot of the perpendicular lies on it."""
+    end, anchor = shape.after[k], shape.anchors[k]
+    along_x, along_y = shape.directions[k]
+    origin, rest = shape.vertices[anchor, 0], (y - shape.vertices[anchor, 1]) * along_x
+    lower, upper = _negative(x, origin, along_y, rest, not side_of(0.0, along_x, along_y))
+    weight = np.float32(shape.weights[k])
+    low, high = shape.vertices[k, 1] <= y, shape.vertices[end, 1] <= y
+    if low and not high:
+        _add_to(line[0], 0, lower, weight)
+        _add_to(line[0], upper, len(x), weight)
+    elif high and not low:
+        _add_to(line[0], lower, upper, -weight)
+    first, after = _negative(x, shape.vertices[k, 0], along_x, (shape.vertices[k, 1] - y) * along_y, False)
+    begun, ended = _negative(
+        x, shape.vertices[end, 0], along_x, (shape.vertices[end, 1] - y) * along_y, False
+    )
+    if ended > begun:
+        first, after = (first, begun) if along_x > 0 else (ended, after)
+    # Where h changes its sign so does the wave.
+    for begin, stop, sign in (
+        (first, min(after, lower), -weight),
+        (max(first, lower), min(after, upper), weight),
+        (max(first, upper), after, -weight),
+    ):
+        if begin < stop:
+            _straight_wave(
+                x[begin:stop], origin, along_y, rest, sign, line[0][begin:stop], line[1][begin:stop]
+            )
+
+
+@numba.njit(cache=True)
+def _add_to(line: F32, first: int, after: int, value: np.float32) -> None:
+    for j in range(first, after):
+        line[j] += value
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _straight_wave(
+    x: F64, origin: float, slope: float, rest: float, sign: np.float32, real: F32, imag: F32
+) -> None:
+    """Add ±(1 − i) / 2 (E∞ − E(|h|)) along some columns."""
+    half = HALF * sign
+    for j in range(len(x)):
+        h = (origin - x[j]) * slope + rest
+        cosine, sine = cos_sin(0.25 * h * h)
+        f, g = auxiliary(min(np.float32(abs(h)), FLAT))
+        a, b = g * cosine - f * sine, g * sine + f * cosine
+        real[j] += half * (a + b)
+        imag[j] += half * (b - a)
+
+
+@numba.njit(cache=True)
+def _through_zero(value: float, slope: float) -> Line:
+    """Return slope, shift and rest with value + slope j = slope (j + shift) + rest, the shift whole."""
+    if abs(slope) < 1e-30:
+        return np.float32(0), np.float32(0), np.float32(value)
+    shift = np.rint(value / slope) if abs(value) < 4e6 * abs(slope) else 0.0
+    return np.float32(slope), np.float32(shift), np.float32(value - shift * slope)
+
+
+@numba.njit(cache=True)
+def _end(x: F64, y: float, shape: Polygons, vertex: int, edge: int) -> End:
+    """Return h and s of an edge's end as lines over the columns, and the columns where s is negative."""
+    along_x, along_y = shape.directions[edge]
+    anchor = shape.anchors[edge]
+    step = x[1] - x[0]
+    h = (shape.vertices[anchor, 0] - x[0]) * along_y - (shape.vertices[anchor, 1] - y) * along_x
+    rest = (shape.vertices[vertex, 1] - y) * along_y
+    s = (shape.vertices[vertex, 0] - x[0]) * along_x + rest
+    first, after = _negative(x, shape.vertices[vertex, 0], along_x, rest, False)
+    return (
+        _through_zero(h, -step * along_y),
+        _through_zero(s, -step * along_x),
+        (np.float32(first), np.float32(after)),
+    )
+
+
+@numba.njit(cache=True)
+def _corner(
+    x: F64,
+    y: float,
+    shape: Polygons,
+    vertex: int,
+    waves: tuple[F32, F32],
+    place: tuple[int, int],
+    table: tuple[F32, I64],
+    work: F32,
+    line: F32,
+) -> None:
+    """Add a corner's wave along a row."""
+    start = _end(x, y, shape, vertex, shape.before[vertex])
+    end = _end(x, y, shape, vertex, vertex)
+    across, base = shape.vertices[vertex, 1] - y, shape.vertices[vertex, 0]
+    weight = np.float32(shape.weights[vertex])
+    along, turn = waves[0][place[0]], (waves[1][place[0], 0, place[1]], waves[1][place[0], 1, place[1]])
+    reach = math.sqrt(max(NEAR * NEAR - across * across, 0.0))
+    first = np.searchsorted(x, base - reach)
+    after = np.searchsorted(x, base + reach) if reach > 0 else first
+    away = np.float32(base - x[0]), np.float32(x[1] - x[0]), np.float32(across)
+    if after - first < len(x):
+        near = np.float32(first), np.float32(after)
+        _far(start, end, away, near, along, turn, weight, line)
+    for low in range(first - first % BLOCK, after, BLOCK):
+        near = np.float32(first - low), np.float32(after - low)
+        part = line[0][low : low + BLOCK], line[1][low : low + BLOCK]
+        wave = along[0][low : low + BLOCK], along[1][low : low + BLOCK]
+        _block(start, np.float32(low), table, work)
+        _add_block(start, np.float32(low), near, wave, turn, weight, work, part)
+        _block(end, np.float32(low), table, work)
+        _add_block(end, np.float32(low), near, wave, turn, -weight, work, part)
+
+
+@numba.njit(inline="always")
+def _series(s: np.float32, inverse: np.float32) -> tuple[np.float32, np.float32]:
+    """Return Σ (−1)^k m_k ρ^(−2k), five terms by the recurrence of the moments, each with its power."""
+    imag, real = auxiliary(min(s, FLAT))
+    step = inverse * PER_HALF_TURN
+    turn = s * s * inverse
+    total_real, total_imag = real, imag
+    past_real, past_imag = real, imag
+    real, imag = turn * real + step * imag, turn * imag - step * (real + s)
+    total_real, total_imag = total_real + real, total_imag + imag
+    odd, even = np.float32(3) * step, TWO * turn * step
+    here_real, here_imag = real, imag
+    real, imag = (
+        turn * real + odd * imag - even * past_imag,
+        turn * imag - odd * real + even * past_real,
+    )
+    total_real, total_imag = total_real + real, total_imag + imag
+    past_real, past_imag = here_real, here_imag
+    here_real, here_imag = real, imag
+    odd, even = np.float32(5) * step, TWO * even
+    real, imag = (
+        turn * real + odd * imag - even * past_imag,
+        turn * imag - odd * real + even * past_real,
+    )
+    total_real, total_imag = total_real + real, total_imag + imag
+    past_real, past_imag = here_real, here_imag
+    odd, even = np.float32(7) * step, np.float32(1.5) * even
+    real, imag = (
+        turn * real + odd * imag - even * past_imag,
+        turn * imag - odd * real + even * past_real,
+    )
+    return total_real + real, total_imag + imag
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _far(
+    start: End,
+    end: End,
+    away: Line,
+    near: tuple[np.float32, np.float32],
+    along: F32,
+    turn: tuple[np.float32, np.float32],
+    weight: np.float32,
+    line: F32,
+) -> None:
+    """Add a corner's wave where its series serves: g = h / (2πρ²) Σ (−1)^k m_k ρ^(−2k)."""
+    (h0, m0, r0), (t0, n0, q0), (first0, after0) = start
+    (h1, m1, r1), (t1, n1, q1), (first1, after1) = end
+    base, step, across = away
+    square, least = across * across, np.float32(NEAR * NEAR)
+    first, after = near
+    cosines, sines, real, imag = along[0], along[1], line[0], line[1]
+    cosine, sine = turn
+    scale = weight * PER_TURN
+    for j in range(len(real)):
+        place = np.float32(j)
+        x = base - place * step
+        inverse = ONE / max(x * x + square, least)
+        a, b = _series(abs(t0 * (place + n0) + q0), inverse)
+        c, d = _series(abs(t1 * (place + n1) + q1), inverse)
+        here = h0 * (place + m0) + r0
+        here = -here if place >= first0 and place < after0 else here
+        there = h1 * (place + m1) + r1
+        there = -there if place >= first1 and place < after1 else there
+        size = scale * inverse
+        size = np.float32(0) if place >= first and place < after else size
+        p, q = size * (here * a - there * c), size * (here * b - there * d)
+        u, v = cosines[j] * cosine - sines[j] * sine, cosines[j] * sine + sines[j] * cosine
+        real[j] += p * u - q * v
+        imag[j] += p * v + q * u
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _block(end: End, low: np.float32, table: tuple[F32, I64], work: F32) -> None:
+    """Sum the polynomial of g near a corner at a block of columns."""
+    (h, m, r), (t, n, q), _ = end
+    coefficients, orders = table
+    first = np.float32(1 / (1 + STRETCH * NEAR))
+    scale, stretch = np.float32(2 / (1 - 1 / (1 + STRETCH * NEAR))), np.float32(STRETCH)
+    for j in range(BLOCK):
+        place = np.float32(j) + low
+        across, along = abs(h * (place + m) + r), abs(t * (place + n) + q)
+        most = max(max(across, along), TINY)
+        ratio = min(across, along) / most
+        work[AT_X + j] = scale * (ONE / (ONE + stretch * most) - first) - ONE
+        work[AT_Y + j] = TWO * ratio * ratio - ONE
+        work[RATIO + j] = ratio
+        work[REAL + j] = np.float32(0)
+        work[IMAG + j] = np.float32(0)
+    for row in range(len(orders) - 1, -1, -1):
+        for j in range(2 * BLOCK):
+            work[PART + j] = np.float32(0)
+        for k in range(orders[row] - 1, -1, -1):
+            real, imag = coefficients[0, row, k], coefficients[1, row, k]
+            for j in range(BLOCK):
+                work[PART + j] = work[PART + j] * work[AT_X + j] + real
+                work[PART + BLOCK + j] = work[PART + BLOCK + j] * work[AT_X + j] + imag
+        for j in range(BLOCK):
+            work[REAL + j] = work[REAL + j] * work[AT_Y + j] + work[PART + j]
+            work[IMAG + j] = work[IMAG + j] * work[AT_Y + j] + work[PART + BLOCK + j]
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _add_block(
+    end: End,
+    low: np.float32,
+    near: tuple[np.float32, np.float32],
+    along: tuple[F32, F32],
+    turn: tuple[np.float32, np.float32],
+    weight: np.float32,
+    work: F32,
+    line: tuple[F32, F32],
+) -> None:
+    """Add a corner's wave near it, from the polynomial and g(h, s) + g(s, h) = −i / 2 w(h) w(s)."""
+    (h, m, r), (t, n, q), (first, after) = end
+    (cosines, sines), (real, imag) = along, line
+    cosine, sine = turn
+    for j in range(BLOCK):
+        place = np.float32(j) + low
+        across, s = h * (place + m) + r, abs(t * (place + n) + q)
+        size = abs(across)
+        f, g = auxiliary(min(size, FLAT))
+        p, q_ = auxiliary(min(s, FLAT))
+        a, b = work[RATIO + j] * work[REAL + j], work[RATIO + j] * work[IMAG + j]
+        swapped_real = HALF * (g * p + f * q_) - a
+        swapped_imag = HALF * (f * p - g * q_) - b
+        a = a if size <= s else swapped_real
+        b = b if size <= s else swapped_imag
+        sign = weight if across > 0 else -weight
+        sign = -sign if place >= first and place < after else sign
+        sign = sign if np.float32(j) >= near[0] and np.float32(j) < near[1] else np.float32(0)
+        u, v = cosines[j] * cosine - sines[j] * sine, cosines[j] * sine + sines[j] * cosine
+        real[j] += sign * (a * u - b * v)
+        imag[j] += sign * (a * v + b * u)

@@ -1,0 +1,208 @@
+"""The near field of straight-edged rings, by corners or by nodes; lengths in units of √(λz / 2).
+
+By corners: each corner and edge has its wave in closed form (`corner`). By nodes: Green's theorem turns the
+Fresnel integral over a ring into
+
+    D(x', y') = −i / 2 ∮ E(x − x') exp(iπ(y − y')² / 2) dy, E = C + iS,
+
+a product of two matrices, which takes less time where the phase turns little along an edge, far from the
+opening, and keeps its digits there. Outlines that are their own mirror image are computed on a part of the
+plane.
+"""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import aperture as apertures
+from aureole.diffraction.corner import corner_table
+from aureole.diffraction.fresnel import fresnel_integrals, taylor_table
+from aureole.diffraction.rows import multiply
+from aureole.records import Grid, Outline
+
+if TYPE_CHECKING:
+    from aureole.diffraction._kernels_near_polygons import Polygons
+
+# Corners, or nodes, whose tables are held at a time.
+MOST_AT_ONCE = 512
+# Scaled lengths whose squares float32 holds; nearer planes show the shadow, to 1e-9.
+LARGEST = 1e17
+# Turns of the phase, at most, along a panel of twelve nodes: its error is below 1e-7.
+PANEL_TURNS = 3.0
+# Up to so many nodes an edge the product takes less time.
+NODES_AN_EDGE = 100
+# Corners that are as near as this, of the size, are one; longer rings are not searched for symmetry.
+SAME_PLACE, MOST_COMPARED = 1e-12, 512
+
+
+def straight_near(rings: list[Outline], grid: Grid, scale: float) -> NDArray[np.complex64]:
+    """Return the near field of rings of straight edges.
+
+    Parameters
+    ----------
+    rings : list of Outline
+        Without arcs; metres.
+    grid : Grid
+        Metres.
+    scale : float
+        √(2 / (λz)), per metre.
+
+    Returns
+    -------
+    ndarray of complex64, shape (rows, columns)
+        Without unit; to about 2e-6.
+    """
+    axes, picked = [], []
+    for k, (axis, count, spacing) in enumerate(zip(grid.axes(), grid.shape, grid.spacing, strict=True)):
+        halved = grid.centre[k] == 0 and all(_is_mirrored(ring, 1 - k) for ring in rings)
+        axes.append(np.arange(count // 2 + 1) * spacing if halved else axis)
+        picked.append(np.abs(np.arange(count) - count // 2) if halved else np.arange(count))
+    size = max(float(np.max(np.abs(each))) for each in (*axes, *(ring.vertices for ring in rings)))
+    scale = min(scale, LARGEST / size)
+    y, x = (np.asarray(axis * scale, dtype=np.float64) for axis in axes)
+    scaled = [Outline(ring.vertices * scale, ring.bulges, ring.transmittance) for ring in rings]
+    out = np.zeros((len(y), len(x)), dtype=np.complex64)
+    panel = panel_length(scaled, y, x)
+    edges = sum(len(ring.vertices) for ring in rings)
+    if _node_count(scaled, panel) <= NODES_AN_EDGE * edges:
+        add_by_nodes(scaled, y, x, panel, out)
+    else:
+        _add_by_corners(scaled, y, x, grid.spacing[1] * scale, out)
+    return out if out.shape == grid.shape else out[np.ix_(*picked)]
+
+
+def panel_length(rings: list[Outline], y: NDArray[np.float64], x: NDArray[np.float64]) -> float:
+    """Return how long panels of twelve nodes may be where the phase turns fastest.
+
+    Parameters
+    ----------
+    rings : list of Outline
+        In units of √(λz / 2).
+    y, x : ndarray
+        Of the rows and of the columns, in the same unit.
+
+    Returns
+    -------
+    float
+        In the same unit.
+    """
+    stray = max(float(np.max(np.abs(ring.bulges)) * np.max(np.ptp(ring.vertices, axis=0))) for ring in rings)
+    points = np.concatenate([ring.vertices for ring in rings])
+    low, high = points.min(axis=0) - 2 * stray, points.max(axis=0) + 2 * stray
+    farthest = np.hypot(*np.maximum([x[-1] - low[0], y[-1] - low[1]], [high[0] - x[0], high[1] - y[0]]))
+    # A phase of πρ² / 2 turns by ρ / 2 a unit of length.
+    return float(2 * PANEL_TURNS / farthest)
+
+
+def add_by_nodes(
+    rings: list[Outline],
+    y: NDArray[np.float64],
+    x: NDArray[np.float64],
+    panel: float,
+    out: NDArray[np.complex64],
+) -> None:
+    """Add the field of rings as a product of two matrices, node by node; arcs are served too.
+
+    Parameters
+    ----------
+    rings : list of Outline
+        In units of √(λz / 2).
+    y, x : ndarray
+        Of the rows (R,) and of the columns (C,), in the same unit.
+    panel : float
+        From `panel_length`.
+    out : ndarray of complex64, shape (R, C)
+        Added to.
+    """
+    from aureole.diffraction import _kernels_near_edges as kernels  # compiled code: loaded when first used
+
+    product = np.empty_like(out)
+    for ring in rings:
+        points, steps = apertures.boundary_nodes(ring, panel)
+        weight = -0.5j * ring.transmittance * apertures.orientation(ring)
+        # What E is at the ring's middle cancels along the boundary, and takes digits with it.
+        middle = _integrals(0.5 * (points[:, 0].min() + points[:, 0].max()) - x)
+        for first in range(0, len(points), MOST_AT_ONCE):
+            part = points[first : first + MOST_AT_ONCE]
+            right = (_integrals(part[:, 0, None] - x) - middle) * (
+                weight * steps[first : first + MOST_AT_ONCE, 1, None]
+            )
+            waves = np.empty((len(part), 2, len(y)), dtype=np.float32)
+            kernels.fill_waves(np.ascontiguousarray(part[:, 1]), y, waves)
+            left = (waves[:, 0] + 1j * waves[:, 1]).T
+            multiply([(left, right.astype(np.complex64), product)])
+            out += product
+
+
+def _integrals(t: NDArray[np.float64]) -> NDArray[np.complex128]:
+    cosine, sine = fresnel_integrals(t)
+    return np.asarray(cosine + 1j * sine)
+
+
+def _node_count(rings: list[Outline], panel: float) -> float:
+    """Return how many nodes panels of that length take."""
+    total = 0.0
+    for ring in rings:
+        lengths = np.hypot(*(np.roll(ring.vertices, -1, axis=0) - ring.vertices).T)
+        total += apertures.GAUSS_NODES * float(np.sum(np.ceil(lengths / panel)))
+    return total
+
+
+def _add_by_corners(
+    rings: list[Outline],
+    y: NDArray[np.float64],
+    x: NDArray[np.float64],
+    step: float,
+    out: NDArray[np.complex64],
+) -> None:
+    """Add what corners and edges bring, on columns that are a step apart."""
+    from aureole.diffraction import _kernels_near_edges as kernels  # compiled code: loaded when first used
+    from aureole.diffraction._kernels_near_polygons import Tables
+
+    shape = _polygons(rings, (x[len(x) // 2], y[len(y) // 2]))
+    filled = np.concatenate([x, x[-1] + step * np.arange(1, -len(x) % kernels.BLOCK + 1)])
+    coefficients, orders = corner_table("coarse")
+    table = coefficients.astype(np.float32), orders
+    for first in range(0, len(shape.after), MOST_AT_ONCE):
+        chunk = first, min(first + MOST_AT_ONCE, len(shape.after))
+        along_x, along_y = (
+            np.empty((chunk[1] - first, 2, len(places)), dtype=np.float32) for places in (filled, y)
+        )
+        kernels.fill_waves(shape.vertices[first : chunk[1], 0].copy(), filled, along_x)
+        kernels.fill_waves(shape.vertices[first : chunk[1], 1].copy(), y, along_y)
+        kernels.add_rows(filled, y, shape, chunk, (along_x, along_y), table, out)
+    kernels.mend_corners(x, y, shape, Tables(taylor_table(), *corner_table()), out)
+
+
+def _polygons(rings: list[Outline], middle: tuple[float, float]) -> "Polygons":
+    """Return the edges of rings as the kernels read them."""
+    from aureole.diffraction._kernels_near_polygons import Polygons
+
+    corners, after, weights, first = [], [], [], 0
+    for ring in rings:
+        points = ring.vertices[np.any(ring.vertices != np.roll(ring.vertices, -1, axis=0), axis=1)]
+        corners.append(points)
+        after.append(first + (np.arange(len(points)) + 1) % max(len(points), 1))
+        weights.append(np.full(len(points), ring.transmittance * apertures.orientation(ring)))
+        first += len(points)
+    vertices, ends = np.concatenate(corners), np.concatenate(after)
+    edges = vertices[ends] - vertices
+    away = np.hypot(*(vertices - middle).T)
+    anchors = np.where(away[ends] < away, ends, np.arange(len(ends)))
+    directions = edges / np.hypot(*edges.T)[:, None]
+    return Polygons(vertices, ends, np.argsort(ends), directions, anchors, np.concatenate(weights))
+
+
+def _is_mirrored(ring: Outline, axis: int) -> bool:
+    """Say whether a straight-edged ring is its own mirror image where one coordinate changes its sign."""
+    count = len(ring.vertices)
+    if count > MOST_COMPARED:
+        return False
+    signs = (-1.0 if axis == 0 else 1.0, -1.0 if axis == 1 else 1.0)
+    distances = np.abs((ring.vertices * signs)[:, None] - ring.vertices).max(axis=2)
+    there = distances.argmin(axis=1)
+    if distances.min(axis=1).max() > SAME_PLACE * np.max(np.abs(ring.vertices)):
+        return False
+    # The image runs the other way round.
+    return bool(np.all(np.roll(there, -1) == (there - 1) % count))
