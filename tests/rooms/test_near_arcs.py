@@ -10,7 +10,7 @@ from aureole.diffraction import near_field
 from aureole.diffraction._kernels_near_arcs import edge_sum
 from aureole.diffraction.corner import corner_table
 from aureole.diffraction.fresnel import taylor_table
-from aureole.diffraction.near_arcs import FAR, arcs_near
+from aureole.diffraction.near_arcs import FAR, Edge, arcs_near
 from aureole.diffraction.near_circles import circle_near
 from aureole.records import Aperture, Outline
 
@@ -53,6 +53,14 @@ def test_a_fine_plane_around_a_corner_and_across_an_edge(number):
     x, y = shape.outlines[0].vertices[1]
     for spacing in (1e-13, 1e-9, 1e-6, 2e-5):
         compare(shape, Grid((5, 6), (spacing, spacing), (float(y), float(x))), number)
+
+
+@pytest.mark.parametrize("number", [60.0, 200.0, 1500.0])
+def test_long_rows_that_some_edges_serve_by_nodes_and_others_by_their_ends(number):
+    shape = aperture.iris(9, D, 0.5)
+    y = float(shape.outlines[0].vertices[3, 1])
+    for centre in ((0.0, 0.0), (y, 0.3e-3)):
+        compare(shape, Grid((3, 200), (0.37e-3, 1.1e-5), centre), number)
 
 
 @pytest.mark.parametrize("number", [2.0, 250.0])
@@ -101,8 +109,9 @@ def test_a_single_arc_by_its_ends():
             radius * (along * np.cos(angles) + down * np.sin(angles)) * np.tile(weights, 3000) * sweep / 6000
         )
         wanted = np.sum(0.5j * np.pi * np.sinc(half_phase / np.pi) * np.exp(1j * half_phase) * cross)
-        ends = [radius * f(first + part) for part in (0.0, sweep) for f in (math.cos, math.sin)]
-        found = edge_sum(np.array([1.0, *ends, radius, 0.0, 0.0]), x, y, *tables)
+        ends = [radius * np.array([math.cos(end), math.sin(end)]) for end in (first, first + sweep)]
+        shape = Edge(*ends, radius, np.zeros(2), first, sweep).shape(1.0)
+        found = edge_sum(shape, x, y, *tables)
         assert abs(found - wanted) / (2 * math.pi) < 6e-7, (radius, away, first, sweep, angle)
 
 

@@ -17,8 +17,9 @@ I64 = NDArray[np.int64]
 
 # A place as near as this to a corner is moved off it by about as much.
 ON_CORNER = 1e-9
-# Where an edge's description holds what: sign, ends x, y, x, y, radius (0: straight), centre x, y.
-SIGN, START, END, RADIUS, CENTRE = 0, 1, 3, 5, 6
+# Where an edge's description holds what: sign, ends x, y, x, y, radius (0: straight), centre x, y, tangents
+# at the ends x, y, x, y, and curvature. Arcs turn from +x to +y.
+SIGN, START, END, RADIUS, CENTRE, TANGENT, CURVATURE, SHAPE = 0, 1, 3, 5, 6, 8, 12, 13
 
 
 @numba.njit(cache=True)
@@ -31,30 +32,157 @@ def _seen(edge: F64, corner: int, x: float, y: float) -> tuple[float, float]:
 
 
 @numba.njit(cache=True)
+def _sides(edge: F64, x: float, y: float) -> tuple[float, float]:
+    """Return on which side of the chord a place lies, positive on the left, and how far within the edge.
+
+    The first is twice the area of the triangle of place and ends, the second h (2 R − h) of an arc, from the
+    nearer corner, so that the signs hold to all digits; of a straight edge both are the first.
+    """
+    ax, ay = _seen(edge, START, x, y)
+    bx, by = _seen(edge, END, x, y)
+    cross = ax * by - ay * bx + 0.0
+    if edge[RADIUS] == 0:
+        return cross, cross
+    far_a, far_b = ax * ax + ay * ay, bx * bx + by * by
+    if far_a < far_b:
+        return cross, 2 * edge[RADIUS] * (ax * edge[TANGENT + 1] - ay * edge[TANGENT]) - far_a
+    return cross, 2 * edge[RADIUS] * (bx * edge[TANGENT + 3] - by * edge[TANGENT + 2]) - far_b
+
+
+@numba.njit(cache=True)
+def angle_of(edge: F64, x: float, y: float) -> float:
+    """Return the signed angle that an edge takes up as a place sees it.
+
+    Parameters
+    ----------
+    edge, x, y
+        As of `edge_sum`.
+    """
+    cross, within = _sides(edge, x, y)
+    ax, ay = _seen(edge, START, x, y)
+    bx, by = _seen(edge, END, x, y)
+    angle = math.atan2(cross, ax * bx + ay * by)
+    # Between chord and arc the arc goes round the other way.
+    if cross < 0 and within >= 0:
+        angle += 2 * math.pi
+    return float(edge[SIGN] * angle)
+
+
+@numba.njit(cache=True)
+def turns_of(edge: F64, x: float, y: float) -> float:
+    """Return what an edge adds to the winding number about a place: all angles over 2π, without angles.
+
+    Parameters
+    ----------
+    edge, x, y
+        As of `edge_sum`.
+    """
+    # Corners where they are seen, so that one on the place counts as the angles count it.
+    below, above = _seen(edge, START, x, y)[1] <= 0, _seen(edge, END, x, y)[1] > 0
+    if below != above and edge[RADIUS] == 0:
+        return 0.0
+    cross, within = _sides(edge, x, y)
+    turns = 1.0 if cross < 0 and within >= 0 else 0.0
+    if below and above and cross >= 0:
+        turns += 1.0
+    elif not below and not above and cross < 0:
+        turns -= 1.0
+    return float(edge[SIGN] * turns)
+
+
+@numba.njit(cache=True)
 def edge_sum(edge: F64, x: float, y: float, taylor: F64, table: F64, orders: I64) -> complex:
     """Return ∫ (exp(iπρ²/2) − 1) dφ along an edge seen from a place.
 
     Parameters
     ----------
-    edge : ndarray of float64, shape (8,)
-        Sign; start and end, x and y; radius, 0 for a straight edge; centre x, y. Arcs turn from +x to +y.
+    edge : ndarray of float64, shape (13,)
+        Described as above.
     x, y : float
         The place.
     taylor, table, orders
         As of `_kernels_corner.corner`.
     """
+    wave = end_wave(edge, 0, x, y, taylor, table, orders) - end_wave(edge, 1, x, y, taylor, table, orders)
+    wave += stationary_wave(edge, x, y, taylor)
+    return complex(2 * math.pi * edge[SIGN] * wave - angle_of(edge, x, y))
+
+
+@numba.njit(cache=True)
+def stationary_wave(edge: F64, x: float, y: float, taylor: F64) -> complex:
+    """Return what an edge's points send to which the place is straight ahead, over 2π.
+
+    Parameters
+    ----------
+    edge, x, y, taylor
+        As of `edge_sum`.
+    """
     ax, ay = _seen(edge, START, x, y)
     bx, by = _seen(edge, END, x, y)
-    cross = ax * by - ay * bx + 0.0
-    angle = math.atan2(cross, ax * bx + ay * by)
+    first = ax * edge[TANGENT] + ay * edge[TANGENT + 1]
+    last = bx * edge[TANGENT + 2] + by * edge[TANGENT + 3]
+    if (first < 0) == (last < 0):
+        return 0j
+    cross, within = _sides(edge, x, y)
     if edge[RADIUS] == 0:
-        wave = _straight(ax, ay, bx, by, cross, edge, taylor, table, orders)
-    else:
-        wave, inside = _arc(ax, ay, bx, by, edge, x, y, taylor, table, orders)
-        # Between chord and arc the arc goes round the other way.
-        if inside and cross < 0:
-            angle += 2 * math.pi
-    return complex(edge[SIGN] * (2 * math.pi * wave - angle))
+        return _straight_wave(cross / math.hypot(bx - ax, by - ay), taylor)
+    radius = edge[RADIUS]
+    ahead = radius - ax * edge[TANGENT + 1] + ay * edge[TANGENT]
+    d = math.hypot(x - edge[CENTRE], y - edge[CENTRE + 1])
+    shape = _shape(radius, d, within / (radius + d))
+    if first < 0 and ahead > 0:
+        return _nearest(shape, taylor)
+    if first >= 0 and ahead < 0:
+        return _farthest(shape, radius + d)
+    return 0j
+
+
+@numba.njit(cache=True)
+def end_wave(edge: F64, end: int, x: float, y: float, taylor: F64, table: F64, orders: I64) -> complex:
+    """Return what an edge's start (0) or its end (1) sends, over 2π: from there on in the edge's direction.
+
+    Parameters
+    ----------
+    edge, x, y, taylor, table, orders
+        As of `edge_sum`.
+    end : int
+        Which.
+    """
+    rx, ry = _seen(edge, START + 2 * end, x, y)
+    tx, ty = edge[TANGENT + 2 * end], edge[TANGENT + 2 * end + 1]
+    along, square = rx * tx + ry * ty, rx * rx + ry * ry
+    cross, within = _sides(edge, x, y)
+    if edge[RADIUS] > 0:
+        radius = edge[RADIUS]
+        d = math.hypot(x - edge[CENTRE], y - edge[CENTRE + 1])
+        ahead = radius - rx * ty + ry * tx
+        shape = _shape(radius, d, within / (radius + d))
+        return _end(along / d, ahead / d, square, shape, taylor, table, orders)
+    # The same number as the angle's, so that both turn their sign at once.
+    h = cross / math.hypot(edge[END] - edge[START], edge[END + 1] - edge[START + 1])
+    real, imag = corner_amplitude(abs(h), abs(along), taylor, table, orders)
+    wave = _wave(0.25 * square, real, imag)
+    return -wave if (h < 0) != (along < 0) else wave
+
+
+@numba.njit(cache=True)
+def _straight_wave(h: float, taylor: F64) -> complex:
+    """Return the wave of a whole straight edge, odd in h."""
+    size = abs(h)
+    if size >= FLAT:
+        return 0j
+    real, imag = smooth_tail(size, taylor)
+    half = 0.5 if h >= 0 else -0.5
+    return _wave(0.25 * h * h, half * (real + imag), half * (imag - real))
+
+
+@numba.njit(cache=True)
+def _shape(radius: float, d: float, h: float) -> tuple[float, float, float, float, float, float]:
+    """Return h, c and v of a circle seen from a place, the small number, the scale, and √(Rd)."""
+    product = radius * d
+    root = math.sqrt(product)
+    e = 1 / (4 * math.pi * product)
+    return h, h / (radius + d), (radius + d) / (2 * root), e, e * root, root
 
 
 @numba.njit(cache=True)
@@ -65,90 +193,13 @@ def _wave(turns: float, real: float, imaginary: float) -> complex:
 
 
 @numba.njit(cache=True)
-def _straight(
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    cross: float,
-    edge: F64,
-    taylor: F64,
-    table: F64,
-    orders: I64,
-) -> complex:
-    """Return ∫ exp(iπρ²/2) dφ / 2π along a straight edge: two corner functions."""
-    tx, ty = edge[END] - edge[START], edge[END + 1] - edge[START + 1]
-    length = math.sqrt(tx * tx + ty * ty)
-    tx, ty = tx / length, ty / length
-    first, last = ax * tx + ay * ty, bx * tx + by * ty
-    # The same number as the angle's, so that both turn their sign at once.
-    h = cross / length
-    size = abs(h)
-    total = 0j
-    for s, sign in ((first, 1.0), (last, -1.0)):
-        if size + abs(s) < FLAT:
-            real, imag = corner_amplitude(size, abs(s), taylor, table, orders)
-            wave = _wave(0.25 * (h * h + s * s), real, imag)
-            total += -sign * wave if s < 0 else sign * wave
-    if first < 0 and last >= 0 and size < FLAT:
-        real, imag = smooth_tail(size, taylor)
-        total += _wave(0.25 * h * h, 0.5 * (real + imag), 0.5 * (imag - real))
-    return -total if h < 0 else total
-
-
-@numba.njit(cache=True)
-def _arc(
-    ax: float,
-    ay: float,
-    bx: float,
-    by: float,
-    edge: F64,
-    x: float,
-    y: float,
-    taylor: F64,
-    table: F64,
-    orders: I64,
-) -> tuple[complex, bool]:
-    """Return ∫ exp(iπρ²/2) dφ / 2π along an arc, and whether its circle holds the place."""
-    radius = edge[RADIUS]
-    d = math.hypot(x - edge[CENTRE], y - edge[CENTRE + 1])
-    across = radius + d
-    root = math.sqrt(radius * d)
-    nx, ny = (edge[START] - edge[CENTRE]) / radius, (edge[START + 1] - edge[CENTRE + 1]) / radius
-    mx, my = (edge[END] - edge[CENTRE]) / radius, (edge[END + 1] - edge[CENTRE + 1]) / radius
-    far_a, far_b = ax * ax + ay * ay, bx * bx + by * by
-    out_a, out_b = ax * nx + ay * ny, bx * mx + by * my
-    # The nearer corner says on which side of the arc the place is, to all its digits.
-    h = (2 * radius * out_a - far_a if far_a < far_b else 2 * radius * out_b - far_b) / across
-    c, v = h / across, across / (2 * root)
-    e = 1 / (4 * math.pi * root * root)
-    scale = 1 / (4 * math.pi * root)
-    shape = (h, c, v, e, scale, root)
-    sine_a, cosine_a = (nx * ay - ny * ax) / d, (radius - out_a) / d
-    sine_b, cosine_b = (mx * by - my * bx) / d, (radius - out_b) / d
-    total = _end(sine_a, cosine_a, far_a, shape, taylor, table, orders)
-    total -= _end(sine_b, cosine_b, far_b, shape, taylor, table, orders)
-    if sine_a < 0 and sine_b >= 0 and cosine_a > 0:
-        total += _nearest(shape, taylor)
-    elif sine_a >= 0 and sine_b < 0 and cosine_a < 0:
-        total += _farthest(shape, across)
-    return total, h >= 0
-
-
-@numba.njit(cache=True)
 def _nearest(shape: tuple[float, ...], taylor: F64) -> complex:
     """Return what the circle's nearest point sends."""
     h, c, v, e, scale, _ = shape
     lit, p = 1 + c, 1 / (1 + v)
     even, odd = lit - c * p, 0.5 * e * (lit - c * p * p)
     real, imag = scale * (even - odd), scale * (even + odd)
-    size = abs(h)
-    if size < FLAT:
-        tail_real, tail_imag = smooth_tail(size, taylor)
-        half = 0.5 if h >= 0 else -0.5
-        real += half * (tail_real + tail_imag)
-        imag += half * (tail_imag - tail_real)
-    return _wave(0.25 * h * h, real, imag)
+    return _wave(0.25 * h * h, real, imag) + _straight_wave(h, taylor)
 
 
 @numba.njit(cache=True)

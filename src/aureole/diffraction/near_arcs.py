@@ -50,8 +50,20 @@ SMALLEST, LARGEST, FARTHEST = 1e-100, 1e7, 1e8
 
 
 @dataclass(frozen=True)
-class _Edge:
-    """An edge in Fresnel units: ends, and of arcs radius (0: straight), centre, first angle and sweep."""
+class Edge:
+    """An edge of a ring, lengths in Fresnel units, √(λz / 2).
+
+    Parameters
+    ----------
+    start, end : ndarray of float64, shape (2,)
+        x, y.
+    radius : float
+        0 of a straight edge.
+    centre : ndarray of float64, shape (2,)
+        x, y of an arc's.
+    first, sweep : float
+        Angle of an arc's start seen from its centre, and how far it turns, at most 60 degrees; radians.
+    """
 
     start: NDArray[np.float64]
     end: NDArray[np.float64]
@@ -75,7 +87,16 @@ class _Edge:
         """Return what the kernel of single edges reads: arcs turn from +x to +y."""
         back = self.sweep < 0
         first, last = (self.end, self.start) if back else (self.start, self.end)
-        return np.array([-turn if back else turn, *first, *last, self.radius, *self.centre])
+        tangents = [self._tangent(first), self._tangent(last)]
+        curvature = 1 / self.radius if self.radius else 0.0
+        sign = -turn if back else turn
+        return np.array([sign, *first, *last, self.radius, *self.centre, *np.ravel(tangents), curvature])
+
+    def _tangent(self, corner: NDArray[np.float64]) -> NDArray[np.float64]:
+        if not self.radius:
+            return (self.end - self.start) / self.length
+        x, y = (corner - self.centre) / self.radius
+        return np.array([-y, x])
 
     def nodes(self, half_phase: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return nodes and steps that integrate along the edge a phase which turns by this at most."""
@@ -147,7 +168,7 @@ def _edges(ring: Outline, x: NDArray[np.float64], y: NDArray[np.float64]) -> Any
     turn = apertures.orientation(ring)
     vertices, arcs = short_arcs(ring, FLATTEST_BULGE)
     edges = [
-        _Edge(start, end, arc[0], arc[1:3], arc[3], arc[4])
+        Edge(start, end, arc[0], arc[1:3], arc[3], arc[4])
         for start, end, arc in zip(vertices, np.roll(vertices, -1, axis=0), arcs, strict=True)
         if np.any(start != end)
     ]
