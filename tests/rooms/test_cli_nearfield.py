@@ -1,6 +1,10 @@
 """`aureole nearfield` as a person types it: what it writes, what it keeps, what it says and refuses."""
 
 import json
+import signal
+import subprocess
+import sys
+import time
 
 import numpy as np
 import pytest
@@ -186,6 +190,23 @@ def test_a_sweep_goes_on_where_it_was_left(tmp_path, capsys):
     report, _ = told([*SWEEP, "-o", pattern, "--overwrite"], capsys)
     assert report["kept"] == 0
     assert (tmp_path / "ring.01.exr").stat().st_mtime_ns > before["ring.01.exr"]
+
+
+def test_an_interrupted_sweep_leaves_whole_planes(tmp_path):
+    words = [sys.executable, "-m", "aureole.cli", "nearfield", *SLIT, "--size", "256"]
+    words += ["--sweep", "0.1m:2m:900", "-o", "r.####.png"]
+    with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as child:
+        while child.poll() is None and len(names(tmp_path)) < 3:
+            time.sleep(0.02)
+        child.send_signal(signal.SIGINT)
+        said = child.communicate()[1]
+    assert child.returncode == 130
+    assert said == "aureole: interrupted; nothing half-written is left.\n"
+    found = names(tmp_path)
+    assert found == [f"r.{n:04d}.png" for n in range(1, len(found) + 1)]
+    assert 2 <= len(found) < 900
+    for name in found:
+        assert picture.read(tmp_path / name).pixels.shape == (256, 256, 3)
 
 
 @pytest.mark.parametrize("suffix", ["exr", "png"])

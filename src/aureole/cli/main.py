@@ -54,6 +54,8 @@ def run(arguments: Sequence[str]) -> int:
         return _say("interrupted; nothing half-written is left.", INTERRUPTED)
     except Exception as error:
         return _unexpected(error)
+    if code == INTERRUPTED:  # some versions of the command line's library return it instead of raising
+        return _say("interrupted; nothing half-written is left.", INTERRUPTED)
     return code if isinstance(code, int) else DONE
 
 

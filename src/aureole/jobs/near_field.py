@@ -422,9 +422,10 @@ def _squared(values: NDArray[np.complexfloating]) -> NDArray[np.float32]:
 
 def _colours(plane: NearPlane, distance: float, lamp: Spectrum) -> Iterator[Stage]:
     """Make the plane in XYZ."""
-    job, aperture = plane.setup.job, plane.setup.aperture
+    # The operator's aperture has been rasterized already where its method takes pixels.
+    job, aperture = plane.setup.job, plane.operator.aperture
     if job.obstacle:
-        if aperture.mask is not None or plane.operator.method not in EXACT_METHODS:
+        if aperture.mask is not None:
             yield from _colours_round_pixels(plane, distance, lamp)
             return
         aperture = apertures.obstacle(aperture)
@@ -435,7 +436,6 @@ def _colours(plane: NearPlane, distance: float, lamp: Spectrum) -> Iterator[Stag
         lamp,
         job.spectral,
         job.samples,
-        finest=job.finest,
         field_method=plane.operator.method,
     )
 
