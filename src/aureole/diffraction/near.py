@@ -50,6 +50,8 @@ METHODS: dict[str, Method] = {
 POWERS: dict[str, Method] = {"quads": quads_near_power, "rows": rows_near_power, "fft": fft_near_power}
 # What tiles are computed from, for culling.
 PARTS: dict[str, Callable[..., list[Part]]] = {"quads": quads_parts, "rows": rows_parts}
+# Above so many edges an outline costs far more than its raster's rows.
+MOST_EDGES = 400
 OF_PIXELS = ("quads", "rows", "fft")
 OF_WAVEFRONTS = ("reference", "rows", "fft")
 # Seconds a call and a unit of work, as `rows_work` and `fft_work` list them, fitted by
@@ -106,6 +108,8 @@ class NearOperator:
                 f"method '{name}' sees an aperture as it is and takes no 'finest'; use 'rows' or 'quads'."
             )
         self.grid, self._chosen = grid, name != "auto"
+        if name == "auto" and finest == "full" and aperture.mask is None and _edges(aperture) <= MOST_EDGES:
+            name = "polygons"
         self.aperture = _seen(aperture, raster_size, finest) if name in ("auto", *OF_PIXELS) else aperture
         self.method, self.prepared = _fastest(self.aperture, grid) if name == "auto" else (name, {})
         if self.aperture.wavefront is None and not self.prepared and self.method in PREPARATIONS:
@@ -194,8 +198,8 @@ def near_field(
     Parameters
     ----------
     aperture : Aperture
-        A raster, or outlines, which all methods but "reference" rasterize: pixels of a coverage raster
-        are near the exact outline, and not the same.
+        A raster, or outlines, which the methods of pixels, "quads", "rows" and "fft", rasterize: pixels of
+        a coverage raster are near the exact outline, and not the same.
     grid : Grid
         Places on the plane in metres; any spacing, any centre, odd and even sizes.
     distance : float
@@ -203,10 +207,11 @@ def near_field(
     wavelength : float
         Metres.
     method : str
-        "reference", direct sums in float64, of outlines along their boundary; "quads", over signed
-        rectangles; "rows", over the mask's distinct rows; "fft", a convolution, where the places are
-        as far apart as the pixels; "auto" takes what should be the fastest of "rows" and "fft". A
-        wavefront is served by these two and by "reference".
+        "reference", direct sums in float64, of outlines along their boundary; "polygons", exact
+        outlines by their edges; "quads", over signed rectangles; "rows", over the mask's distinct rows;
+        "fft", a convolution, where the places are as far apart as the pixels; "auto" takes "polygons"
+        for outlines of up to 400 edges that are not wanted coarser, else what should be the fastest of
+        "rows" and "fft". A wavefront is served by these two and by "reference".
     raster_size : int
         Pixels a side to which outlines are rasterized.
     finest : str
@@ -292,6 +297,10 @@ def _check_for_wavefront(name: str, finest: str) -> None:
         )
     if finest != "full":
         raise refuse.Refusal(f"'finest' must be 'full' for an aperture with a wavefront, got '{finest}'.")
+
+
+def _edges(aperture: Aperture) -> int:
+    return sum(len(ring.vertices) for ring in aperture.outlines)
 
 
 def _fastest(aperture: Aperture, grid: Grid) -> tuple[str, dict[str, Any]]:
