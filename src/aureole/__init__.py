@@ -8,9 +8,10 @@ refuse        one voice for refusals
 light         wavelength to colour
 aperture      what blocks the light
 picture       pictures in and out, convolution, display
-presets       named irises, cameras and jobs, as data
+presets       named irises, cameras, lenses and glasses, as data
 diffraction   how a blocked wave spreads
 glare         point spread functions and compositing
+flare         lenses and their ghosts
 jobs          what the command line and other faces call
 bench         the papers' tables and the peers, measured on this machine
 cli           the command `aureole`
@@ -39,11 +40,11 @@ from aureole.records import (
 from aureole.refuse import Refusal
 
 if TYPE_CHECKING:
-    from aureole import aperture, diffraction, glare, jobs, light, picture, presets
+    from aureole import aperture, diffraction, flare, glare, jobs, light, picture, presets
 
 __version__ = "0.1.0"
 
-_ROOMS = ("aperture", "diffraction", "glare", "jobs", "light", "picture", "presets")
+_ROOMS = ("aperture", "diffraction", "flare", "glare", "jobs", "light", "picture", "presets")
 
 __all__ = [
     "Aperture",
@@ -59,6 +60,7 @@ __all__ = [
     "Stage",
     "aperture",
     "diffraction",
+    "flare",
     "glare",
     "jobs",
     "light",

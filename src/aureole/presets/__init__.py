@@ -1,11 +1,34 @@
-"""Named cameras and irises, as data: TOML files, each with its source.
+"""Named cameras, irises, lenses and catalogues of glass, as data: TOML files, each with its source.
 
-In: a kind ("cameras", "irises") and a name. Out: a validated record of numbers with units in their
-names. The files lie beside this page, one a preset; a file of the user's own is read the same way.
+In: a kind ("cameras", "irises", "lenses", "glasses") and a name. Out: a validated record of numbers with
+units in their names. The files lie beside this page, one a preset; a file of the user's own is read the
+same way.
 
-models   what a file of each kind may hold
+models       what a file of a camera or an iris may hold; how a preset is found and checked
+lens_model   what a file of a lens or a catalogue of glasses may hold
 """
 
-from aureole.presets.models import KINDS, CameraPreset, IrisPreset, load, names
+from aureole.presets.lens_model import (
+    GlassCatalogue,
+    GlassLine,
+    LayerPreset,
+    LensPreset,
+    StatePreset,
+    SurfacePreset,
+)
+from aureole.presets.models import KINDS, CameraPreset, IrisPreset, check, load, names
 
-__all__ = ["KINDS", "CameraPreset", "IrisPreset", "load", "names"]
+__all__ = [
+    "KINDS",
+    "CameraPreset",
+    "GlassCatalogue",
+    "GlassLine",
+    "IrisPreset",
+    "LayerPreset",
+    "LensPreset",
+    "StatePreset",
+    "SurfacePreset",
+    "check",
+    "load",
+    "names",
+]

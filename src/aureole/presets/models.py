@@ -1,14 +1,15 @@
 """What a preset file may hold, checked with pydantic, and how one is found by its name."""
 
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from aureole import refuse
+from aureole.presets.lens_model import GlassCatalogue, LensPreset
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -79,8 +80,12 @@ class CameraPreset(BaseModel):
     iris: str
 
 
-KINDS: dict[str, type[BaseModel]] = {"cameras": CameraPreset, "irises": IrisPreset}
-Model = TypeVar("Model", bound=BaseModel)
+KINDS: dict[str, type[BaseModel]] = {
+    "cameras": CameraPreset,
+    "glasses": GlassCatalogue,
+    "irises": IrisPreset,
+    "lenses": LensPreset,
+}
 
 
 def names(kind: str) -> list[str]:
@@ -89,7 +94,7 @@ def names(kind: str) -> list[str]:
     Parameters
     ----------
     kind : str
-        "cameras" or "irises".
+        One of `KINDS`.
 
     Returns
     -------
@@ -109,14 +114,14 @@ def load(kind: str, name: str) -> Any:
     Parameters
     ----------
     kind : str
-        "cameras" or "irises".
+        One of `KINDS`.
     name : str
         A shipped preset's name, or a path that ends in ".toml".
 
     Returns
     -------
-    CameraPreset or IrisPreset
-        Checked.
+    BaseModel
+        The checked record of its kind.
 
     Raises
     ------
@@ -126,33 +131,75 @@ def load(kind: str, name: str) -> Any:
     known = names(kind)
     if name in known:
         text = (resources.files("aureole.presets") / kind / f"{name}.toml").read_text(encoding="utf-8")
-        return _parse(KINDS[kind], text, name)
+        return check(kind, _toml(text, name), name)
     if not name.endswith(".toml"):
         raise refuse.unknown_key(f"presets/{kind}", name, known)
     try:
         text = Path(name).read_text(encoding="utf-8")
     except (OSError, ValueError) as error:
         raise refuse.Refusal(f"'{name}' cannot be read: {_reason(error)}.") from None
-    return _parse(KINDS[kind], text, name)
+    return check(kind, _toml(text, name), name)
 
 
-def _parse(model: type[Model], text: str, where: str) -> Model:
+def check(kind: str, data: Mapping[str, Any], where: str) -> Any:
+    """Return the record that plain values mean.
+
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`.
+    data : mapping
+        Keys and values as in a file.
+    where : str
+        What was read, for the refusal.
+
+    Returns
+    -------
+    BaseModel
+        The checked record of its kind.
+
+    Raises
+    ------
+    refuse.Refusal
+        At the first key that is unknown, and the first value that is wrong.
+    """
+    model = KINDS[refuse.one_of("kind", kind, KINDS)]
     try:
-        return model.model_validate(tomllib.loads(text))
+        return model.model_validate(data)
+    except ValidationError as error:
+        raise _first_refusal(where, error, model) from None
+
+
+def _toml(text: str, where: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise refuse.Refusal(f"'{where}' is not TOML: {error}.") from None
     except RecursionError:
         raise refuse.Refusal(f"'{where}' is not a preset: its values are nested too deeply.") from None
-    except ValidationError as error:
-        raise _first_refusal(where, error, model.model_fields) from None
 
 
-def _first_refusal(where: str, error: ValidationError, known: Iterable[str]) -> refuse.Refusal:
-    first = error.errors()[0]
-    key = ".".join(str(part) for part in first["loc"])
+def _first_refusal(where: str, error: ValidationError, model: type[BaseModel]) -> refuse.Refusal:
+    errors = error.errors()
+    # A misspelt key is also a missing one; the misspelling says more.
+    first = next((found for found in errors if found["type"] == "extra_forbidden"), errors[0])
+    *table, key = [str(part + 1) if isinstance(part, int) else part for part in first["loc"]]
+    if isinstance(first["loc"][-1], int):
+        key = f"{table.pop()} {key}"
+    inside = f"'{where}'" if not table else f"{' '.join(table)} in '{where}'"
     if first["type"] == "extra_forbidden":
-        return refuse.unknown_key(f"'{where}'", key, known)
-    return refuse.Refusal(f"'{key}' in '{where}': {first['msg'][0].lower()}{first['msg'][1:]}.")
+        return refuse.unknown_key(inside, key, _fields_at(model, first["loc"][:-1]))
+    return refuse.Refusal(f"'{key}' in {inside}: {first['msg'][0].lower()}{first['msg'][1:]}.")
+
+
+def _fields_at(model: Any, path: Iterable[str | int]) -> Iterable[str]:
+    """Return the keys of the table that a path through lists and tables leads to."""
+    for part in path:
+        if isinstance(part, str) and part in getattr(model, "model_fields", {}):
+            model = model.model_fields[part].annotation
+        while get_args(model):
+            model = get_args(model)[0 if get_origin(model) is Annotated else -1]
+    return list(getattr(model, "model_fields", {}))
 
 
 def _reason(error: Exception) -> str:

@@ -1,0 +1,47 @@
+"""The lens and its ghosts: glass, coatings, prescriptions, matrices, rays.
+
+In: a lens's name or its TOML file. Out: a `Lens`, its ghosts, and where rays go through it. Light travels
+along +z from the first surface to the sensor; lengths are metres; surfaces are counted from 0 inside and
+from 1 where people read them.
+
+glass          the refractive index: a catalogue's Sellmeier constants, or Cauchy through n_d and V_d
+coating        what bare and coated interfaces reflect and transmit, by angle, wavelength, polarisation
+prescription   `Lens` and `Surface`; reading and checking a lens
+lens_file      writing a lens as TOML
+ghost_paths    the ways of two reflections, their names and counts
+paraxial       matrices of the image and of ghosts; focal length, focus, f-number, pupil, axial colour
+rays           real rays, one loop for every way: the truth for faster tracers
+"""
+
+from aureole.flare.coating import Coating, Layer, quarter_wave, reflectance
+from aureole.flare.ghost_paths import GhostPath, counts, ghosts, path_of
+from aureole.flare.glass import AIR, Glass, index, named
+from aureole.flare.lens_file import to_toml, write
+from aureole.flare.prescription import Lens, Surface, ZoomState, at_state, load, with_coating
+from aureole.flare.rays import Traced, power, trace_reference
+
+__all__ = [
+    "AIR",
+    "Coating",
+    "GhostPath",
+    "Glass",
+    "Layer",
+    "Lens",
+    "Surface",
+    "Traced",
+    "ZoomState",
+    "at_state",
+    "counts",
+    "ghosts",
+    "index",
+    "load",
+    "named",
+    "path_of",
+    "power",
+    "quarter_wave",
+    "reflectance",
+    "to_toml",
+    "trace_reference",
+    "with_coating",
+    "write",
+]

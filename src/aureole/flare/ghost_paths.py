@@ -1,0 +1,177 @@
+"""Ghosts: the ways through a lens with two reflections, and their names.
+
+A ray that is thrown back at surface j and again at an earlier surface i reaches the sensor as a ghost.
+The tile paper (Bodonyi et al. 2024, section 3.2) keeps the pairs on one side of the stop; the counts that
+it prints leave out the last glass surface, too.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import comb
+
+from aureole import refuse
+from aureole.flare.prescription import Lens, refracts
+
+WHICH = ("same-side", "paper", "all")
+
+
+@dataclass(frozen=True)
+class GhostPath:
+    """A way through the lens with two reflections (or four).
+
+    Parameters
+    ----------
+    reflections : tuple of int
+        Indices of the reflecting surfaces, counted from 0, in the order in which the light meets them:
+        a later one, an earlier one, and so on.
+    energy : float, optional
+        Its part of the light that enters the lens, where it is known.
+    """
+
+    reflections: tuple[int, ...]
+    energy: float | None = None
+
+    @property
+    def name(self) -> str:
+        """The reflecting surfaces as people count them, from 1, front first: "2-5"."""
+        return "-".join(str(k + 1) for k in sorted(self.reflections[:2]) + list(self.reflections[2:]))
+
+
+def ghosts(lens: Lens, which: str = "same-side") -> list[GhostPath]:
+    """Return a lens's ghosts of two reflections, by their surfaces from front to back.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+    which : {"same-side", "paper", "all"}
+        Both reflections on one side of the stop, by the tile paper's stated rule; the fewer that its
+        tables count, without the last glass surface; or all pairs, those across the stop, too.
+
+    Returns
+    -------
+    list of GhostPath
+        Each has the later surface first.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where `which` is unknown.
+    """
+    refuse.one_of("which", which, WHICH)
+    before, behind = sides(lens)
+    if which == "all":
+        return _pairs(before + behind)
+    return _pairs(before) + _pairs(behind[:-1] if which == "paper" else behind)
+
+
+def sides(lens: Lens) -> tuple[list[int], list[int]]:
+    """Return the reflecting surfaces before and behind the stop.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+
+    Returns
+    -------
+    before, behind : list of int
+        Indices of the surfaces between two different media.
+    """
+    reflecting = [k for k in range(len(lens.surfaces)) if refracts(lens, k) and not lens.surfaces[k].stop]
+    return [k for k in reflecting if k < lens.stop], [k for k in reflecting if k > lens.stop]
+
+
+def counts(lens: Lens) -> dict[str, int]:
+    """Return how many ghosts each rule has, from the numbers of surfaces alone.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+
+    Returns
+    -------
+    dict of str to int
+        "paper": C(a, 2) + C(b - 1, 2), "same-side": C(a, 2) + C(b, 2), "all": C(a + b, 2), with a and b
+        surfaces before and behind the stop.
+    """
+    a, b = (len(side) for side in sides(lens))
+    return {
+        "paper": comb(a, 2) + comb(max(b - 1, 0), 2),
+        "same-side": comb(a, 2) + comb(b, 2),
+        "all": comb(a + b, 2),
+    }
+
+
+def path_of(lens: Lens, numbers: Sequence[int]) -> GhostPath:
+    """Return the ghost of two surfaces as people count them.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+    numbers : sequence of int
+        Two numbers, the first surface is 1.
+
+    Returns
+    -------
+    GhostPath
+        The later surface first.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where they are not two surfaces that reflect.
+    """
+    before, behind = sides(lens)
+    known = before + behind
+    if len(numbers) != 2 or numbers[0] == numbers[1] or any(n - 1 not in known for n in numbers):
+        listed = ", ".join(str(k + 1) for k in known)
+        got = ",".join(map(str, numbers))
+        raise refuse.Refusal(f"'ghost' must be two different reflecting surfaces out of {listed}, got {got}.")
+    first, second = sorted(n - 1 for n in numbers)
+    return GhostPath((second, first))
+
+
+def steps(lens: Lens, reflections: Sequence[int] = ()) -> list[tuple[int, bool]]:
+    """Return the surfaces that light meets, in order, and at which of them it is thrown back.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+    reflections : sequence of int
+        Indices of reflecting surfaces as in `GhostPath`; none is the way of the image.
+
+    Returns
+    -------
+    list of (int, bool)
+        Index of a surface and whether the light is reflected there.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the reflections are not an even number that turn the light back and forth.
+    """
+    count = len(lens.surfaces)
+    turns = list(reflections)
+    wrong = len(turns) % 2 or any(
+        not 0 <= here < count or (here >= before if k % 2 == 0 else here <= before)
+        for k, (before, here) in enumerate(pairwise(turns))
+    )
+    if wrong or any(not 0 <= k < count for k in turns):
+        raise refuse.Refusal(f"'reflections' must turn back and forth between surfaces, got {tuple(turns)}.")
+    found: list[tuple[int, bool]] = []
+    place, ahead = 0, 1
+    for turn in turns:
+        found += [(k, False) for k in range(place, turn, ahead)]
+        found.append((turn, True))
+        ahead = -ahead
+        place = turn + ahead
+    return found + [(k, False) for k in range(place, count)]
+
+
+def _pairs(surfaces: Sequence[int]) -> list[GhostPath]:
+    return [GhostPath((j, i)) for k, i in enumerate(surfaces) for j in surfaces[k + 1 :]]
