@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from aureole import jobs, light, presets, refuse, units
-from aureole.cli import bench, nearfield, options, output, runs
+from aureole.cli import bench, lens, nearfield, options, output, runs
 from aureole.cli.options import FILES, ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, numbers, with_flags
 
@@ -19,6 +19,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(bench.app, name="bench")
+app.add_typer(lens.app, name="lens")
 
 
 @app.callback(invoke_without_command=True)

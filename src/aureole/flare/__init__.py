@@ -10,19 +10,24 @@ prescription   `Lens` and `Surface`; reading and checking a lens
 lens_file      writing a lens as TOML
 ghost_paths    the ways of two reflections, their names and counts
 paraxial       matrices of the image and of ghosts; focal length, focus, f-number, pupil, axial colour
+lint           what looks wrong in a prescription
+importers      lens files of other programs; import_*: one format a file, `import_draft` makes a lens of it
 rays           real rays, one loop for every way: the truth for faster tracers
 """
 
 from aureole.flare.coating import Coating, Layer, quarter_wave, reflectance
 from aureole.flare.ghost_paths import GhostPath, counts, ghosts, path_of
 from aureole.flare.glass import AIR, Glass, index, named
+from aureole.flare.importers import import_lens, open_lens
 from aureole.flare.lens_file import to_toml, write
+from aureole.flare.lint import Finding, findings
 from aureole.flare.prescription import Lens, Surface, ZoomState, at_state, load, with_coating
 from aureole.flare.rays import Traced, power, trace_reference
 
 __all__ = [
     "AIR",
     "Coating",
+    "Finding",
     "GhostPath",
     "Glass",
     "Layer",
@@ -32,10 +37,13 @@ __all__ = [
     "ZoomState",
     "at_state",
     "counts",
+    "findings",
     "ghosts",
+    "import_lens",
     "index",
     "load",
     "named",
+    "open_lens",
     "path_of",
     "power",
     "quarter_wave",

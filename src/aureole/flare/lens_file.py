@@ -6,7 +6,7 @@ import os
 from aureole import picture
 from aureole.flare.coating import Layer
 from aureole.flare.glass import AIR, Glass
-from aureole.flare.prescription import MM, Lens, Surface
+from aureole.flare.prescription import MM_PER_M, Lens, Surface
 
 # Digits that bring a number of millimetres back through metres unchanged.
 DIGITS = 12
@@ -101,7 +101,7 @@ def _layer(layer: Layer) -> str:
 
 
 def _mm(metres: float) -> str:
-    return _number(metres / MM)
+    return _number(metres * MM_PER_M)
 
 
 def _number(value: float) -> str:

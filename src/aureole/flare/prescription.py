@@ -14,7 +14,8 @@ from aureole.flare import glass as glasses
 from aureole.flare.coating import Coating, Layer, quarter_wave
 from aureole.flare.glass import AIR, Glass
 
-MM = 1e-3
+# Dividing by it rounds as a moved decimal point does; multiplying by 0.001 does not.
+MM_PER_M = 1e3
 
 
 @dataclass(frozen=True)
@@ -290,9 +291,9 @@ def from_preset(preset: presets.LensPreset, name: str) -> Lens:
     return Lens(
         name=name,
         title=preset.title,
-        focal_length=preset.focal_length_mm * MM,
+        focal_length=preset.focal_length_mm / MM_PER_M,
         f_number=preset.f_number,
-        sensor=(preset.sensor_mm[0] * MM, preset.sensor_mm[1] * MM),
+        sensor=(preset.sensor_mm[0] / MM_PER_M, preset.sensor_mm[1] / MM_PER_M),
         surfaces=surfaces,
         patent=preset.patent,
         kind=preset.kind,
@@ -319,8 +320,8 @@ def _layer(word: str, line: presets.LayerPreset) -> Layer:
 def _surface(where: str, line: presets.SurfacePreset, coatings: dict[str, Coating]) -> Surface:
     if line.coating is not None and line.coating not in coatings:
         raise refuse.unknown_key(f"the table of coatings for {where}", line.coating, coatings)
-    curvature = 0.0 if line.radius_mm == 0 else 1.0 / (line.radius_mm * MM)
-    semi = line.semi_aperture_mm * MM
+    curvature = 0.0 if line.radius_mm == 0 else MM_PER_M / line.radius_mm
+    semi = line.semi_aperture_mm / MM_PER_M
     # A conic ends where (1 + k) c² r² reaches 1.
     if (1.0 + line.conic) * (curvature * semi) ** 2 >= 1.0:
         raise refuse.Refusal(
@@ -330,7 +331,7 @@ def _surface(where: str, line: presets.SurfacePreset, coatings: dict[str, Coatin
     asphere = tuple(a * 1e3 ** (2 * m + 3) for m, a in enumerate(line.asphere_mm))
     return Surface(
         curvature,
-        line.thickness_mm * MM,
+        line.thickness_mm / MM_PER_M,
         semi,
         _medium(where, line),
         None if line.coating is None else coatings[line.coating],
@@ -375,6 +376,6 @@ def _state(name: str, line: presets.StatePreset, preset: presets.LensPreset) -> 
                 f"'thicknesses_mm' of state '{line.name}' in '{name}' must have the numbers of surfaces, "
                 f"1 to {count}, as keys, got '{key}'."
             )
-        moved.append((int(key) - 1, thickness * MM))
+        moved.append((int(key) - 1, thickness / MM_PER_M))
     f_number = preset.f_number if line.f_number is None else line.f_number
-    return ZoomState(line.name, line.focal_length_mm * MM, f_number, tuple(moved))
+    return ZoomState(line.name, line.focal_length_mm / MM_PER_M, f_number, tuple(moved))

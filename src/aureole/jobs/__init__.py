@@ -9,6 +9,8 @@ aperture    an aperture drawn, with its quadtree's counts
 near_field  the light on a plane behind an opening or an obstacle
 near_sweep  the same at many distances: planes, a strip of them, a section along the axis
 measures    a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
+lens          a lens as numbers, and what looks wrong in it
+lens_drawing  a lens drawn, with rays and ghosts
 page        one page about a point spread function
 drawing     an aperture's quads drawn
 demo        the main job on the bundled scene
@@ -17,6 +19,8 @@ demo        the main job on the bundled scene
 from aureole.jobs.aperture import ApertureJob, ApertureResult
 from aureole.jobs.demo import DemoJob, DemoResult
 from aureole.jobs.glare import GlareJob, GlareResult
+from aureole.jobs.lens import lens_list, lens_report
+from aureole.jobs.lens_drawing import check_drawing, write_drawing
 from aureole.jobs.measures import PupilMeasures, pupil_measures
 from aureole.jobs.near_field import NearFieldJob, NearFieldResult
 from aureole.jobs.near_sweep import (
@@ -52,9 +56,13 @@ __all__ = [
     "StarburstJob",
     "StarburstResult",
     "Sweep",
+    "check_drawing",
     "check_page",
     "finish",
+    "lens_list",
+    "lens_report",
     "pupil_measures",
     "run",
+    "write_drawing",
     "write_page",
 ]

@@ -18,13 +18,15 @@ INK, ACCENT, QUIET = "#1f2430", "#c2410c", "#6b7280"
 BLUE = "#1d4ed8"
 
 
-def check_page(path: Path) -> Path:
+def check_page(path: Path, what: str = "report") -> Path:
     """Refuse, before any work, a place or a format for which no page can be written.
 
     Parameters
     ----------
     path : Path
         File to write.
+    what : str
+        What is written, for the refusal.
 
     Returns
     -------
@@ -36,7 +38,7 @@ def check_page(path: Path) -> Path:
     refuse.Refusal
         Where the suffix is unknown or the place cannot be written.
     """
-    refuse.one_of("suffix of the report", path.suffix.lower(), SUFFIXES)
+    refuse.one_of(f"suffix of the {what}", path.suffix.lower(), SUFFIXES)
     return picture.writable(path)
 
 
@@ -76,6 +78,24 @@ def write_page(path: Path, psf: Picture, camera: Camera, measures: PupilMeasures
     _draw_transfer(figure.add_subplot(places[1, 0]), measures, illuminant)
     _draw_energy(figure.add_subplot(places[1, 1]), measures, illuminant)
     _draw_numbers(figure.add_subplot(places[1, 2]), camera, measures, illuminant)
+    save(path, figure)
+
+
+def save(path: Path, figure: Any) -> None:
+    """Write a figure, whole or not at all; the same figure makes the same file.
+
+    Parameters
+    ----------
+    path : Path
+        File to write; its suffix says the format: PNG, JPEG, PDF or SVG.
+    figure : matplotlib.figure.Figure
+        What is drawn.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the file cannot be written.
+    """
     # Without a date the same job writes the same file.
     undated: dict[str, Any] = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     kind = path.suffix.lower()
