@@ -123,7 +123,11 @@ def glass_keys(
     refuse.Refusal
         Where the name is unknown and no numbers are given, or the surface is a mirror.
     """
-    word = name.strip().strip("'\"").upper().partition("_")[0]
+    word = name.strip().strip("'\"").upper()
+    if word.startswith("_") and index is not None:
+        # Zemax calls a glass that is known by its numbers alone ___BLANK.
+        return {"index": index} | ({"abbe": abbe} if abbe and abbe > 0 else {})
+    word = word.partition("_")[0]
     if word in ("", "AIR", "VACUUM"):
         return {}
     if word in ("REFL", "MIRROR"):
@@ -140,7 +144,7 @@ def glass_keys(
             return {"glass": glass.named(found).name}
     if index is not None and index > 1:
         draft.notes.append(
-            f"glass {word} is in no catalogue here: n_d {index:.6g} and V_d of the file are used"
+            f"glass {word} is in no catalogue here: the file's n_d {index:.6g} and V_d are used"
         )
         return {"index": index} | ({"abbe": abbe} if abbe and abbe > 0 else {})
     return {"glass": glass.named(word).name}
@@ -235,9 +239,7 @@ def _fill_semi_apertures(draft: Draft, lens: Lens, where: str, missing: list[dic
         if any(line is other for other in missing):
             margin = 1.0 if line.get("stop") else MARGIN
             line["semi_aperture_mm"] = float(f"{margin * height * radius:.5g}")
-    draft.notes.append(
-        f"{len(missing)} semi-apertures that the file leaves out are set by the light on the axis"
-    )
+    draft.notes.append(f"{len(missing)} semi-apertures not in the file are set by the light on the axis")
 
 
 def _positive(where: str, what: str, metres: float) -> float:

@@ -36,9 +36,7 @@ def read(text: str, where: str) -> Draft:
         raise refuse.Refusal(f"'{where}' is not XML: {error}.") from None
     elements = root.find("elements")
     if root.tag != "opticalSystem" or elements is None:
-        raise refuse.Refusal(
-            f"'{where}' is not an OpenLensFlare system: it has no <opticalSystem> with <elements>."
-        )
+        raise refuse.Refusal(f"'{where}' is not an OpenLensFlare system: no <elements> in <opticalSystem>.")
     draft = Draft(title=(root.findtext("name") or "").strip(), source="An OpenLensFlare system.")
     draft.focal_length_mm = _positive(root, "effectiveFocalLength", where)
     width, height = _positive(root, "filmWidth", where), _positive(root, "filmHeight", where)
@@ -50,9 +48,7 @@ def read(text: str, where: str) -> Draft:
         if (element.findtext("type") or "").strip() != "sensor"
     ]
     if root.find("fnumber") is not None:
-        draft.notes.append(
-            "the file's f-number says how far the iris is closed; that of the semi-apertures is used"
-        )
+        draft.notes.append("the file's f-number is that of a closed iris; the semi-apertures' is used")
     return draft
 
 

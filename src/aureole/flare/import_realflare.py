@@ -6,7 +6,7 @@ from typing import Any
 from aureole import refuse
 from aureole.flare.import_draft import Draft
 
-KEYS = {"radius": "radius_mm", "distance": "thickness_mm", "height": "semi_aperture_mm"}
+KEYS = ("radius", "distance", "height", "refractive_index", "abbe_nr")
 
 
 def read(text: str, where: str) -> Draft:
@@ -40,17 +40,23 @@ def read(text: str, where: str) -> Draft:
     draft.patent = str(model.get("patent_number") or "")
     draft.focal_length_mm = _positive(model.get("focal_length"))
     draft.f_number = _positive(model.get("fstop"))
-    draft.surfaces = [_surface(element) for element in elements]
+    draft.surfaces = [_surface(element, where, k) for k, element in enumerate(elements, 1)]
     stop = model.get("aperture_index")
     if isinstance(stop, int) and 0 <= stop < len(elements):
         draft.surfaces[stop]["stop"] = True
     return draft
 
 
-def _surface(element: dict[str, Any]) -> dict[str, Any]:
-    """Return the surface as it stands; its values are checked with the whole lens."""
-    found = {ours: element.get(theirs) for theirs, ours in KEYS.items()}
-    index, abbe = element.get("refractive_index", 1.0), element.get("abbe_nr")
+def _surface(element: dict[str, Any], where: str, place: int) -> dict[str, Any]:
+    values = {"refractive_index": 1.0, "abbe_nr": 0.0} | {
+        key: element.get(key) for key in KEYS if key in element
+    }
+    for key in KEYS:
+        value = values.get(key)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise refuse.Refusal(f"'{where}': '{key}' of element {place} must be a number.")
+    radius, distance, height, index, abbe = (float(values[key]) for key in KEYS)
+    found: dict[str, Any] = {"radius_mm": radius, "thickness_mm": distance, "semi_aperture_mm": height}
     if index != 1.0:
         found |= {"index": index} | ({"abbe": abbe} if abbe else {})
     return found

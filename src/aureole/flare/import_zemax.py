@@ -97,8 +97,6 @@ def _terms(surface: dict[str, Any], scale: float, where: str) -> list[float]:
     """Return the coefficients of r⁴ on; PARM 1 is that of r²."""
     parms = surface["parms"]
     if parms.get(1, 0.0) != 0.0:
-        raise refuse.Refusal(
-            f"'{where}' line {surface['line']}: a term of r² besides the radius cannot be read."
-        )
+        raise refuse.Refusal(f"'{where}' line {surface['line']}: a term of r² cannot be read.")
     last = max((k for k, value in parms.items() if value), default=1)
     return [parms.get(k, 0.0) * scale ** (1 - 2 * k) for k in range(2, last + 1)]

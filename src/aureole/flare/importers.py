@@ -87,12 +87,13 @@ def open_lens(name: str | os.PathLike[str], state: str | None = None) -> tuple[L
 
 def _text(place: Path) -> str:
     try:
-        if place.stat().st_size > LARGEST_FILE:
-            raise refuse.Refusal(f"'{place}' is larger than {LARGEST_FILE // 10**6} MB: no lens file is.")
-        data = place.read_bytes()
+        with place.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise refuse.Refusal(f"'{place}' cannot be read: {reason}.") from None
+    if len(data) > LARGEST_FILE:
+        raise refuse.Refusal(f"'{place}' is larger than {LARGEST_FILE // 10**6} MB: no lens file is.")
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return data.decode("utf-16", errors="replace")
     try:
