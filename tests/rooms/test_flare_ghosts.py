@@ -5,6 +5,7 @@ import re
 import pytest
 
 from aureole import flare, presets, refuse
+from aureole.flare import Surface
 from aureole.flare.ghost_paths import GhostPath, sides, steps
 
 # a and b: surfaces between different media before and behind the stop; the counts by brute force below.
@@ -68,6 +69,20 @@ def test_steps_turn_at_the_reflections():
     assert [mirror for _, mirror in way].index(True) == 3
     four = steps(lens, (3, 1, 5, 0))
     assert [k for k, _ in four] == [0, 1, 2, 3, 2, 1, 2, 3, 4, 5, 4, 3, 2, 1, 0, 1, 2, 3, 4, 5, 6]
+
+
+def test_an_iris_on_glass_is_on_both_sides():
+    """A cemented pair with its stop on the front: all three pairs are behind it."""
+    glasses = [flare.named(name) for name in ("N-BK7", "F2")]
+    surfaces = (
+        Surface(16.0, 6e-3, 0.012, glasses[0], stop=True),
+        Surface(-22.0, 2.5e-3, 0.012, glasses[1]),
+        Surface(-7.0, 0.1, 0.012),
+    )
+    lens = flare.Lens("doublet", "Doublet", 0.1, 4.0, (0.036, 0.024), surfaces)
+    assert [path.name for path in flare.ghosts(lens)] == ["1-2", "1-3", "2-3"]
+    assert flare.counts(lens) == {"paper": 1, "same-side": 3, "all": 3}
+    assert len(flare.ghosts(lens, "all")) == 3
 
 
 def test_refusals():

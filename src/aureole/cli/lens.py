@@ -1,5 +1,6 @@
 """The commands about lenses: list, check, show, import."""
 
+import math
 import time
 from pathlib import Path
 from typing import Annotated, Any
@@ -95,7 +96,7 @@ def show(
     paths = [flare.path_of(found, _pair(text)) for text in ghost or []]
     off_axis = None if angle is None else units.angle(angle, "angle")
     if off_axis is not None:
-        refuse.between("angle in radians", off_axis, -1.4, 1.4)
+        refuse.between("angle", math.degrees(off_axis), -80, 80)
     output.say_notes(jobs.write_drawing(out, found, paths, off_axis))
     report = {"lens": found.name, "title": found.title, "ghosts": [path.name for path in paths]}
     output.report("lens", report, [out], as_json, time.perf_counter() - start)

@@ -62,7 +62,7 @@ def ghosts(lens: Lens, which: str = "same-side") -> list[GhostPath]:
     refuse.one_of("which", which, WHICH)
     before, behind = sides(lens)
     if which == "all":
-        return _pairs(before + behind)
+        return _pairs(sorted({*before, *behind}))
     return _pairs(before) + _pairs(behind[:-1] if which == "paper" else behind)
 
 
@@ -77,10 +77,10 @@ def sides(lens: Lens) -> tuple[list[int], list[int]]:
     Returns
     -------
     before, behind : list of int
-        Indices of the surfaces between two different media.
+        Indices of the surfaces between two different media; an iris that lies on glass is on both sides.
     """
-    reflecting = [k for k in range(len(lens.surfaces)) if refracts(lens, k) and not lens.surfaces[k].stop]
-    return [k for k in reflecting if k < lens.stop], [k for k in reflecting if k > lens.stop]
+    reflecting = [k for k in range(len(lens.surfaces)) if refracts(lens, k)]
+    return [k for k in reflecting if k <= lens.stop], [k for k in reflecting if k >= lens.stop]
 
 
 def counts(lens: Lens) -> dict[str, int]:
@@ -97,11 +97,12 @@ def counts(lens: Lens) -> dict[str, int]:
         "paper": C(a, 2) + C(b - 1, 2), "same-side": C(a, 2) + C(b, 2), "all": C(a + b, 2), with a and b
         surfaces before and behind the stop.
     """
-    a, b = (len(side) for side in sides(lens))
+    before, behind = sides(lens)
+    a, b = len(before), len(behind)
     return {
         "paper": comb(a, 2) + comb(max(b - 1, 0), 2),
         "same-side": comb(a, 2) + comb(b, 2),
-        "all": comb(a + b, 2),
+        "all": comb(len({*before, *behind}), 2),
     }
 
 
@@ -126,7 +127,7 @@ def path_of(lens: Lens, numbers: Sequence[int]) -> GhostPath:
         Where they are not two surfaces that reflect.
     """
     before, behind = sides(lens)
-    known = before + behind
+    known = sorted({*before, *behind})
     if len(numbers) != 2 or numbers[0] == numbers[1] or any(n - 1 not in known for n in numbers):
         listed = ", ".join(str(k + 1) for k in known)
         got = ",".join(map(str, numbers))

@@ -196,7 +196,7 @@ def _merge_marks(draft: Draft) -> None:
             kept.append(line)
     draft.surfaces = kept
     if marks:
-        draft.notes.append(f"{marks} planes in air that only mark a place are left out")
+        draft.notes.append(f"planes in air that only mark a place, left out: {marks}")
 
 
 def _medium(line: dict[str, Any]) -> dict[str, Any]:
@@ -239,7 +239,7 @@ def _fill_semi_apertures(draft: Draft, lens: Lens, where: str, missing: list[dic
         if any(line is other for other in missing):
             margin = 1.0 if line.get("stop") else MARGIN
             line["semi_aperture_mm"] = float(f"{margin * height * radius:.5g}")
-    draft.notes.append(f"{len(missing)} semi-apertures not in the file are set by the light on the axis")
+    draft.notes.append(f"semi-apertures not in the file, set by the light on the axis: {len(missing)}")
 
 
 def _positive(where: str, what: str, metres: float) -> float:

@@ -88,4 +88,4 @@ def _coat(draft: Draft) -> None:
     if any("coating" in surface for surface in draft.surfaces):
         draft.coatings = dict(MGF2)
     if cemented:
-        draft.notes.append(f"{cemented} cemented surfaces are coated in the file and bare here")
+        draft.notes.append(f"cemented surfaces that are coated in the file, bare here: {cemented}")

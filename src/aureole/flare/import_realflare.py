@@ -51,11 +51,13 @@ def _surface(element: dict[str, Any], where: str, place: int) -> dict[str, Any]:
     values = {"refractive_index": 1.0, "abbe_nr": 0.0} | {
         key: element.get(key) for key in KEYS if key in element
     }
+    checked = []
     for key in KEYS:
         value = values.get(key)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise refuse.Refusal(f"'{where}': '{key}' of element {place} must be a number.")
-    radius, distance, height, index, abbe = (float(values[key]) for key in KEYS)
+        checked.append(float(value))
+    radius, distance, height, index, abbe = checked
     found: dict[str, Any] = {"radius_mm": radius, "thickness_mm": distance, "semi_aperture_mm": height}
     if index != 1.0:
         found |= {"index": index} | ({"abbe": abbe} if abbe else {})

@@ -74,18 +74,19 @@ def write_drawing(
     _draw_glass(axes, lens)
     _draw_stop_and_sensor(axes, lens)
     _draw_numbers(axes, lens)
-    start = -0.12 * span
+    start, label = -0.12 * span, f"light at {np.degrees(np.arctan(slope)):.3g}°"
+    ways: list[tuple[str, tuple[int, ...], float, str]] = []
+    ways.append((label, (), slope, BLUE if ghosts else ACCENT))
     if not ghosts:
-        _draw_rays(axes, _passing(lens, (), 0.0, start, IMAGE_RAYS)[0], BLUE, "light on the axis")
-    label = f"light at {np.degrees(np.arctan(slope)):.3g}°"
-    _draw_rays(axes, _passing(lens, (), slope, start, IMAGE_RAYS)[0], ACCENT if not ghosts else BLUE, label)
-    notes = []
+        ways.insert(0, ("light on the axis", (), 0.0, BLUE))
     for ghost, colour in zip(ghosts, GHOSTS * len(ghosts), strict=False):
-        traced, passes = _passing(lens, ghost.reflections, slope, start, GHOST_RAYS)
-        name = f"ghost {ghost.name.replace('-', ', ')}"
+        ways.append((f"ghost {ghost.name.replace('-', ', ')}", ghost.reflections, slope, colour))
+    notes = []
+    for name, reflections, lean, colour in ways:
+        traced, passes = _passing(lens, reflections, lean, start, GHOST_RAYS if ghosts else IMAGE_RAYS)
         _draw_rays(axes, traced, colour, name if passes else f"{name} (blocked)", "-" if passes else ":")
         if not passes:
-            notes.append(f"no ray of {name} passes all semi-apertures at this angle; blocked ones are dotted")
+            notes.append(f"{name}: no ray passes all semi-apertures; blocked ones are dotted")
     _finish(axes, lens, half_height, span)
     save(path, figure)
     return notes
@@ -203,4 +204,5 @@ def _finish(axes: Any, lens: Lens, half_height: float, span: float) -> None:
     axes.tick_params(labelsize=7, colors=QUIET)
     for spine in axes.spines.values():
         spine.set_visible(False)
-    axes.legend(loc="lower left", fontsize=7, edgecolor="none", labelcolor=INK, ncols=4)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="lower left", fontsize=7, edgecolor="none", labelcolor=INK, ncols=4)
