@@ -147,6 +147,35 @@ def test_refusals(tmp_path, capsys):
     assert "cannot be read" in refused(["lens", "import", "a.zmx", "-o", tmp_path / "a.toml"], capsys)
 
 
+HOSTILE = {
+    "negative thickness": ("thickness_mm = 7.7,", "thickness_mm = -7.7,"),
+    "semi-aperture over radius": ("semi_aperture_mm = 14.5", "semi_aperture_mm = 31"),
+    "not a number": ("radius_mm = 30.81", "radius_mm = nan"),
+    "no stop": (", stop = true", ""),
+    "two stops": ("semi_aperture_mm = 12 ", "semi_aperture_mm = 12, stop = true "),
+    "index below one": ("index = 1.652", "index = 0.652"),
+    "unknown key": ("radius_mm = 30.81", "radius = 30.81"),
+    "wrong unit": ("radius_mm = 30.81", 'radius_mm = "3.081cm"'),
+}
+
+
+@pytest.mark.parametrize("case", [*HOSTILE, "ten thousand surfaces"])
+@pytest.mark.parametrize("command", ["check", "show"])
+def test_hostile_files_are_refused_in_one_line(case, command, tmp_path, capsys):
+    text = flare.to_toml(flare.load(HELIAR)).replace(', coating = "single"', "")
+    path, out = tmp_path / "mine.toml", tmp_path / "a.png"
+    if case in HOSTILE:
+        find, put = HOSTILE[case]
+        assert find in text
+        text = text.replace(find, put, 1)
+    else:
+        text = text.replace("surfaces = [\n", "surfaces = [\n" + text.splitlines()[-2] * 10_000)
+    path.write_text(text, encoding="utf-8")
+    line = refused(["lens", command, path, *(["-o", out] if command == "show" else [])], capsys)
+    assert "mine.toml" in line
+    assert not out.exists()
+
+
 def test_a_fields_edge_is_where_the_sensor_ends():
     lens = flare.load(HELIAR)
     angle = jobs.lens_drawing.field_angle(lens)

@@ -157,6 +157,21 @@ NAN = "'radius_mm' in surfaces 1 in '{}': input should be a finite number."
             "semi_aperture_mm = 104 }",
             "surface 2 of '{}': 'semi_aperture_mm' must be below its radius of curvature 103.4, got 104.",
         ),
+        (
+            "semi_aperture_mm = 15 }",
+            "semi_aperture_mm = 60, conic = 3 }",
+            "surface 2 of '{}': 'semi_aperture_mm' must be below the reach of its conic 51.7, got 60.",
+        ),
+        (
+            "radius_mm = 103.4",
+            "radius_mm = 1e-300",
+            "surface 1 of '{}': 'radius_mm' must be 0 (a plane) or at least 0.0001 long.",
+        ),
+        (
+            "thickness_mm = 4",
+            "thickness_mm = 1e300",
+            "'thickness_mm' in surfaces 2 in '{}': input should be less than or equal to 10000000.",
+        ),
         ("radius_mm = 103.4", "radius_mm = nan", NAN),
         ("radius_mm = 103.4", "radius_mm = -inf", NAN),
         (", stop = true", "", "'{}' has no stop: give one surface 'stop = true'."),

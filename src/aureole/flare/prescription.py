@@ -5,6 +5,7 @@ sensor, and a curvature is positive where its centre lies on the sensor's side.
 """
 
 import dataclasses
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -322,11 +323,15 @@ def _surface(where: str, line: presets.SurfacePreset, coatings: dict[str, Coatin
         raise refuse.unknown_key(f"the table of coatings for {where}", line.coating, coatings)
     curvature = 0.0 if line.radius_mm == 0 else MM_PER_M / line.radius_mm
     semi = line.semi_aperture_mm / MM_PER_M
+    if line.radius_mm and abs(line.radius_mm) < presets.SHARPEST_MM:
+        least = f"{presets.SHARPEST_MM:g}"
+        raise refuse.Refusal(f"{where}: 'radius_mm' must be 0 (a plane) or at least {least} long.")
     # A conic ends where (1 + k) c² r² reaches 1.
     if (1.0 + line.conic) * (curvature * semi) ** 2 >= 1.0:
+        reach = abs(line.radius_mm) / math.sqrt(1.0 + line.conic)
+        what = "the reach of its conic" if line.conic else "its radius of curvature"
         raise refuse.Refusal(
-            f"{where}: 'semi_aperture_mm' must be below its radius of curvature "
-            f"{abs(line.radius_mm):g}, got {line.semi_aperture_mm:g}."
+            f"{where}: 'semi_aperture_mm' must be below {what} {reach:g}, got {line.semi_aperture_mm:g}."
         )
     asphere = tuple(a * 1e3 ** (2 * m + 3) for m, a in enumerate(line.asphere_mm))
     return Surface(

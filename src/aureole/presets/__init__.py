@@ -9,6 +9,7 @@ lens_model   what a file of a lens or a catalogue of glasses may hold
 """
 
 from aureole.presets.lens_model import (
+    SHARPEST_MM,
     GlassCatalogue,
     GlassLine,
     LayerPreset,
@@ -20,6 +21,7 @@ from aureole.presets.models import KINDS, CameraPreset, IrisPreset, check, load,
 
 __all__ = [
     "KINDS",
+    "SHARPEST_MM",
     "CameraPreset",
     "GlassCatalogue",
     "GlassLine",

@@ -5,8 +5,14 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 MOST_SURFACES, MOST_LAYERS = 200, 200
+# No lens is larger; what is finite inside of these stays so in all that is computed.
+FARTHEST_MM, WIDEST_MM, SHARPEST_MM = 1e7, 1e5, 1e-4
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Size = Annotated[float, Field(gt=0, le=1e9, allow_inf_nan=False)]
+Radius = Annotated[float, Field(ge=-1e12, le=1e12, allow_inf_nan=False)]
+Distance = Annotated[float, Field(ge=0, le=FARTHEST_MM, allow_inf_nan=False)]
+Coefficient = Annotated[float, Field(ge=-1e20, le=1e20, allow_inf_nan=False)]
 Index = Annotated[float, Field(ge=1, le=5)]
 
 
@@ -66,8 +72,8 @@ class LayerPreset(_Strict):
 
     index: Index | None = None
     glass: str | None = None
-    quarter_wave_nm: Positive | None = None
-    thickness_nm: Positive | None = None
+    quarter_wave_nm: Size | None = None
+    thickness_nm: Size | None = None
 
 
 class SurfacePreset(_Strict):
@@ -97,15 +103,15 @@ class SurfacePreset(_Strict):
         Whether the iris stands here.
     """
 
-    radius_mm: Finite
-    thickness_mm: Annotated[float, Field(ge=0, allow_inf_nan=False)]
-    semi_aperture_mm: Positive
+    radius_mm: Radius
+    thickness_mm: Distance
+    semi_aperture_mm: Annotated[float, Field(gt=0, le=WIDEST_MM, allow_inf_nan=False)]
     index: Index | None = None
-    abbe: Positive | None = None
+    abbe: Size | None = None
     glass: str | None = None
     coating: str | None = None
-    conic: Finite = 0.0
-    asphere_mm: Annotated[list[Finite], Field(max_length=10)] = []
+    conic: Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)] = 0.0
+    asphere_mm: Annotated[list[Coefficient], Field(max_length=10)] = []
     cylinder: Literal["x", "y"] | None = None
     stop: bool = False
 
@@ -126,9 +132,9 @@ class StatePreset(_Strict):
     """
 
     name: str
-    focal_length_mm: Positive
-    f_number: Positive | None = None
-    thicknesses_mm: dict[str, Annotated[float, Field(ge=0, allow_inf_nan=False)]]
+    focal_length_mm: Size
+    f_number: Size | None = None
+    thicknesses_mm: dict[str, Distance]
 
 
 class LensPreset(_Strict):
@@ -163,9 +169,9 @@ class LensPreset(_Strict):
     patent: str = ""
     kind: str = ""
     notes: str = ""
-    focal_length_mm: Positive
-    f_number: Positive
-    sensor_mm: Annotated[list[Positive], Field(min_length=2, max_length=2)] = [36.0, 24.0]
+    focal_length_mm: Size
+    f_number: Size
+    sensor_mm: Annotated[list[Size], Field(min_length=2, max_length=2)] = [36.0, 24.0]
     coatings: dict[str, Annotated[list[LayerPreset], Field(min_length=1, max_length=MOST_LAYERS)]] = {}
     surfaces: Annotated[list[SurfacePreset], Field(min_length=2, max_length=MOST_SURFACES)]
     states: Annotated[list[StatePreset], Field(max_length=20)] = []
