@@ -105,9 +105,9 @@ class SurfacePreset(_Strict):
 
     radius_mm: Radius
     thickness_mm: Distance
-    semi_aperture_mm: Annotated[float, Field(gt=0, le=WIDEST_MM, allow_inf_nan=False)]
+    semi_aperture_mm: Annotated[float, Field(ge=1e-6, le=WIDEST_MM, allow_inf_nan=False)]
     index: Index | None = None
-    abbe: Size | None = None
+    abbe: Annotated[float, Field(ge=1, le=1e6, allow_inf_nan=False)] | None = None
     glass: str | None = None
     coating: str | None = None
     conic: Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)] = 0.0
