@@ -139,3 +139,5 @@ def test_refusals():
         ringing_texture(shape, 1.0, margin=-0.1)
     with pytest.raises(refuse.Refusal, match="comes from beyond its width"):
         ringing_texture(aperture.obstacle(shape), 1.0)
+    with refused("'whole' needs light on the square; 'fresnel_number' 1e-300 has none."):
+        ringing_texture(shape, 1e-300, 8, whole=True)

@@ -1,6 +1,6 @@
-"""Flags of the near field: where the plane is, what light falls on it, and how it moves."""
+"""Flags of the near field: where the plane is, what light falls on it, how it moves, and textures of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,10 +9,12 @@ import typer
 from aureole import refuse, units
 from aureole.cli import frames, options
 from aureole.cli.options import FILES
-from aureole.jobs import Sweep
+from aureole.cli.pupil_options import ratio
+from aureole.jobs import NearFieldJob, NearTextureJob, Sweep
+from aureole.jobs.near_texture import MARGIN
 
 MOST_STOPS = 100.0
-PLANE, LIGHT, METHOD, SWEEP = "Plane", "Light", "Method", "Many distances"
+PLANE, LIGHT, METHOD, SWEEP, TEXTURE = "Plane", "Light", "Method", "Many distances", "Texture for ghosts"
 
 Shape = Annotated[
     str | None,
@@ -275,6 +277,52 @@ class SweepFlags:
     def numbers(self) -> tuple[int, ...] | None:
         """Return the planes that are wanted; None for all."""
         return None if self.frames is None else frames.numbers(self.frames)
+
+
+@dataclass(frozen=True)
+class TextureFlags:
+    """The flags of a ringing texture, as text; each field's option teaches its use.
+
+    Parameters
+    ----------
+    texture : bool
+        Whether it is wanted.
+    margin : optional
+        Of its square.
+    """
+
+    texture: Annotated[
+        bool,
+        typer.Option(
+            "--texture",
+            help="Write a ringing texture for lens-flare ghosts instead: each pixel the mean over its area, "
+            "on the square of the opening's width and --margin more on each side; needs --fresnel-number.",
+            rich_help_panel=TEXTURE,
+        ),
+    ] = False
+    margin: Annotated[
+        str | None,
+        typer.Option(
+            "--margin",
+            help="Of the texture on each side, in parts of the opening's width: 25%, or 0.25.",
+            rich_help_panel=TEXTURE,
+        ),
+    ] = None
+
+    def wanted(self, many: SweepFlags) -> bool:
+        """Return whether a texture is wanted; refuse flags that need one, or do not go with it."""
+        if not self.texture:
+            if self.margin is not None:
+                raise refuse.Refusal("'margin' needs 'texture'.")
+            return False
+        for flag in fields(many):
+            if getattr(many, flag.name) != flag.default:
+                raise refuse.Refusal(f"'{flag.name}' does not go with 'texture', which is one picture.")
+        return True
+
+    def job(self, plane: NearFieldJob) -> NearTextureJob:
+        """Return the job of the texture behind a plane's opening."""
+        return NearTextureJob(plane, MARGIN if self.margin is None else ratio(self.margin, "margin"))
 
 
 def place(text: str) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Running near-field jobs: a plane, or the planes, strip and section of a sweep; files appear whole."""
+"""Running near-field jobs: a plane, a sweep of planes, a ringing texture; files appear whole."""
 
 import time
 from collections.abc import Mapping
@@ -56,20 +56,33 @@ def plane(job: jobs.NearFieldJob, files: NearFiles, as_json: bool) -> None:
         Whether a machine reads the report.
     """
     start = time.perf_counter()
-    if files.out is None:
-        raise refuse.Refusal("'output' is missing: name the file to write, such as -o near.exr.")
-    written = output.places(files.out, files.preview)
+    written = _one_picture(files)
     if files.amplitude is not None:
         written.append(output.another(_amplitude_place(files.amplitude), written))
     result = output.follow(jobs.run(job))
-    stops = "auto" if files.exposure is None else files.exposure
-    _write(files.out, result.picture, result.description, result.report, stops)
-    if files.preview is not None:
-        shown, _, _ = views.irradiance(result.picture, stops)
-        output.write_display(files.preview, shown)
+    _write_one(files, result)
     if files.amplitude is not None:
         _write_amplitude(files.amplitude, result)
     output.report("near field", result.report, written, as_json, time.perf_counter() - start)
+
+
+def texture(job: jobs.NearTextureJob, files: NearFiles, as_json: bool) -> None:
+    """Make a ringing texture, write and report.
+
+    Parameters
+    ----------
+    job : NearTextureJob
+        What to make.
+    files : NearFiles
+        What to write.
+    as_json : bool
+        Whether a machine reads the report.
+    """
+    start = time.perf_counter()
+    written = _one_picture(files)
+    result = output.follow(jobs.run(job))
+    _write_one(files, result)
+    output.report("ringing texture", result.report, written, as_json, time.perf_counter() - start)
 
 
 def sweep(plane: jobs.NearFieldJob, many: SweepFlags, files: NearFiles, as_json: bool) -> None:
@@ -111,6 +124,21 @@ def sweep(plane: jobs.NearFieldJob, many: SweepFlags, files: NearFiles, as_json:
         _write(files.section, section.picture, section.description, section.report, _stops(files))
         report = section.report | report
     _tell(report, pattern, written, as_json, time.perf_counter() - start)
+
+
+def _one_picture(files: NearFiles) -> list[Path]:
+    """Return the files of one picture, and of its preview, before any work."""
+    if files.out is None:
+        raise refuse.Refusal("'output' is missing: name the file to write, such as -o near.exr.")
+    return output.places(files.out, files.preview)
+
+
+def _write_one(files: NearFiles, result: jobs.NearFieldResult | jobs.NearTextureResult) -> None:
+    assert files.out is not None
+    _write(files.out, result.picture, result.description, result.report, _stops(files))
+    if files.preview is not None:
+        shown, _, _ = views.irradiance(result.picture, _stops(files))
+        output.write_display(files.preview, shown)
 
 
 def _outputs(files: NearFiles, count: int | None) -> tuple[Path | None, Path | None]:

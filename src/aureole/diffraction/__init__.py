@@ -40,7 +40,7 @@ from aureole.diffraction.near_picture import near_picture, near_picture_stages
 from aureole.diffraction.near_progressive import ProgressiveNearField
 from aureole.diffraction.progressive import ProgressiveFarField
 from aureole.diffraction.quadtree import FINEST, Quads, difference_quads, level_mask, paint, quadtree
-from aureole.diffraction.ringing import RingingTexture, ringing_texture
+from aureole.diffraction.ringing import RingingTexture, ringing_texture, ringing_texture_stages
 from aureole.diffraction.starburst import starburst, starburst_stages
 
 __all__ = [
@@ -67,6 +67,7 @@ __all__ = [
     "paint",
     "quadtree",
     "ringing_texture",
+    "ringing_texture_stages",
     "starburst",
     "starburst_stages",
     "strehl",

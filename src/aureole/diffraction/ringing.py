@@ -5,6 +5,7 @@ How far out of focus it is, the Fresnel number (width / 2)² / (λz) says by its
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +14,8 @@ from numpy.typing import NDArray
 from aureole import aperture as apertures
 from aureole import refuse
 from aureole.diffraction.near import near_power
-from aureole.diffraction.near_picture import near_picture
-from aureole.records import Aperture, Grid, Spectrum
+from aureole.diffraction.near_picture import near_picture_stages
+from aureole.records import Aperture, Grid, Picture, Spectrum, Stage
 
 WAVELENGTH = 550e-9
 # Samples to each √(λz) that keep the fringes, and the most to a texel and axis.
@@ -96,33 +97,121 @@ def ringing_texture(
     refuse.Refusal
         Where a number is outside its range, or light comes from beyond the stop's width.
     """
-    refuse.positive("fresnel_number", fresnel_number)
+    stages = ringing_texture_stages(shape, fresnel_number, size, margin, spectrum, wavelength, samples, whole)
+    for stage in stages:
+        texture = stage.result
+    assert isinstance(texture, RingingTexture)
+    return texture
+
+
+def ringing_texture_stages(
+    shape: Aperture,
+    fresnel_number: float,
+    size: int = 512,
+    margin: float = 0.25,
+    spectrum: Spectrum | None = None,
+    wavelength: float = WAVELENGTH,
+    samples: int | None = None,
+    whole: bool = False,
+) -> Iterator[Stage]:
+    """Do what `ringing_texture` does, telling how far it is.
+
+    Parameters
+    ----------
+    shape : Aperture
+        As in `ringing_texture`.
+    fresnel_number : float
+        As in `ringing_texture`.
+    size : int
+        As in `ringing_texture`.
+    margin : float
+        As in `ringing_texture`.
+    spectrum : Spectrum, optional
+        As in `ringing_texture`.
+    wavelength : float
+        Metres.
+    samples : int, optional
+        As in `ringing_texture`.
+    whole : bool
+        As in `ringing_texture`.
+
+    Yields
+    ------
+    Stage
+        The last one holds the `RingingTexture`.
+
+    Raises
+    ------
+    refuse.Refusal
+        As `ringing_texture`.
+    """
     refuse.positive("wavelength", wavelength)
-    refuse.at_least("size", size, 2)
-    refuse.between("margin", margin, 0, 10)
+    fine = samples_a_texel(fresnel_number, size, margin)
     if apertures.bounding_radius(shape) > math.sqrt(0.5) * shape.width * BEYOND:
         raise refuse.Refusal(
             f"the light through '{shape.name}' comes from beyond its width of {shape.width:g} m; a ringing "
             "texture needs an opening."
         )
     reach = 1 + 2 * margin
-    # As fine as the fringes near the edge ask for.
-    fine = math.ceil(SAMPLES_A_ZONE * 2 * reach * math.sqrt(fresnel_number) / size)
-    grid = _within_texels(size, min(max(fine, 1), MOST_SAMPLES), reach * shape.width)
+    grid = _within_texels(size, fine, reach * shape.width)
     distance = (shape.width / 2) ** 2 / wavelength / fresnel_number
     if spectrum is None:
+        yield Stage(0.1, "near field")
         found = near_power(shape, grid, distance, wavelength)
     else:
-        found = near_picture(shape, grid, distance, spectrum, samples=samples).pixels
-    pixels = _mean_over_texels(found, size)
-    luminance = pixels if spectrum is None else pixels[..., 1]
-    texel = (reach * shape.width / size) ** 2
+        for stage in near_picture_stages(shape, grid, distance, spectrum, samples=samples):
+            yield Stage(0.98 * stage.fraction, stage.label)
+        assert isinstance(stage.result, Picture)
+        found = stage.result.pixels
+    texture = _texture(shape, _mean_over_texels(found, size), reach, float(fresnel_number), whole)
+    yield Stage(1.0, "ringing texture", texture)
+
+
+def samples_a_texel(fresnel_number: float, size: int, margin: float) -> int:
+    """Return how many samples along each axis a texel is the mean of.
+
+    Parameters
+    ----------
+    fresnel_number : float
+        As in `ringing_texture`.
+    size : int
+        Texels a side.
+    margin : float
+        As in `ringing_texture`.
+
+    Returns
+    -------
+    int
+        As many as the fringes near the edge ask for, 1 to 4.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is outside its range.
+    """
+    refuse.positive("fresnel_number", fresnel_number)
+    refuse.at_least("size", size, 2)
+    refuse.between("margin", margin, 0, 10)
+    wanted = SAMPLES_A_ZONE * 2 * (1 + 2 * margin) * math.sqrt(fresnel_number) / size
+    return math.ceil(min(max(wanted, 1), MOST_SAMPLES))
+
+
+def _texture(
+    shape: Aperture, pixels: NDArray[np.float64], reach: float, fresnel_number: float, whole: bool
+) -> RingingTexture:
+    """Measure what the square holds and what its border has left."""
+    luminance = pixels if pixels.ndim == 2 else pixels[..., 1]
+    texel = (reach * shape.width / len(pixels)) ** 2
     kept = float(luminance.sum()) * texel / apertures.energy(shape)
+    if whole and not kept > 0:
+        raise refuse.Refusal(
+            f"'whole' needs light on the square; 'fresnel_number' {fresnel_number:g} has none."
+        )
     pixels = pixels / kept if whole else pixels
     border = max(
         float(side.max()) for side in (luminance[0], luminance[-1], luminance[:, 0], luminance[:, -1])
     )
-    return RingingTexture(pixels.astype(np.float32), reach, float(fresnel_number), kept, border)
+    return RingingTexture(pixels.astype(np.float32), reach, fresnel_number, kept, border)
 
 
 def _within_texels(size: int, fine: int, side: float) -> Grid:

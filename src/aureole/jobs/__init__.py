@@ -8,6 +8,7 @@ starburst   a point spread function, or a kernel for another program
 aperture    an aperture drawn, with its quadtree's counts
 near_field  the light on a plane behind an opening or an obstacle
 near_sweep  the same at many distances: planes, a strip of them, a section along the axis
+near_texture  a ringing texture for the ghosts of a lens
 measures    a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
 lens          a lens as numbers, and what looks wrong in it
 lens_drawing  a lens drawn, with rays and ghosts
@@ -31,6 +32,7 @@ from aureole.jobs.near_sweep import (
     NearSweepResult,
     Sweep,
 )
+from aureole.jobs.near_texture import NearTextureJob, NearTextureResult
 from aureole.jobs.optics import Opening, Optics
 from aureole.jobs.page import check_page, write_page
 from aureole.jobs.run import finish, run
@@ -50,6 +52,8 @@ __all__ = [
     "NearSectionResult",
     "NearSweepJob",
     "NearSweepResult",
+    "NearTextureJob",
+    "NearTextureResult",
     "Opening",
     "Optics",
     "PupilMeasures",

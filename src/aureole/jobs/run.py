@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from functools import singledispatch
 from typing import Any
 
-from aureole.jobs import aperture, demo, glare, near_field, near_sweep, starburst
+from aureole.jobs import aperture, demo, glare, near_field, near_sweep, near_texture, starburst
 from aureole.records import Stage
 
 
@@ -14,7 +14,7 @@ def run(job: Any) -> Iterator[Stage]:
 
     Parameters
     ----------
-    job : GlareJob, StarburstJob, ApertureJob, NearFieldJob, NearSweepJob, NearSectionJob or DemoJob
+    job : GlareJob, StarburstJob, ApertureJob, a near-field job or DemoJob
         What to do.
 
     Returns
@@ -31,6 +31,7 @@ run.register(aperture.ApertureJob, aperture.run_aperture)
 run.register(near_field.NearFieldJob, near_field.run_near_field)
 run.register(near_sweep.NearSweepJob, near_sweep.run_near_sweep)
 run.register(near_sweep.NearSectionJob, near_sweep.run_near_section)
+run.register(near_texture.NearTextureJob, near_texture.run_near_texture)
 run.register(demo.DemoJob, demo.run_demo)
 
 
