@@ -8,7 +8,7 @@ near_runs running near-field jobs and writing their files
 bench     the commands `aureole bench`
 options   flags that several commands share
 pupil_options  flags of vanes, dirt and wavefronts
-near_options   flags of planes behind an opening, and of many distances
+near_options   flags of planes behind an opening, of many distances, and of ringing textures
 frames    numbered files: names with ####, lists of frames
 output    progress, reports, and files that appear whole
 views     previews, and mattes read from files
