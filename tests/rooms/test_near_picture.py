@@ -80,6 +80,73 @@ def test_outlines():
     np.testing.assert_allclose(found.pixels, brute_force(shape, grid, 0.4, GREY, 4), rtol=0, atol=2e-3)
 
 
+SMALL_PLANES = [
+    Grid((6, 7), (3e-4, 4e-4)),
+    Grid((5, 38), (5e-4, 1e-4), (0.3e-3, 0.0)),
+    Grid((1, 5), (1e-4, 3e-4), (-2.1e-3, 0.4e-3)),
+]
+OUTLINES = {
+    "heptagon": aperture.iris(7, WIDTH),
+    "turned pentagon": aperture.iris(5, WIDTH, rotation=0.2),
+    "hexagon": aperture.iris(6, WIDTH),
+    "frame": aperture.subtraction(aperture.rectangle(WIDTH, WIDTH), aperture.rectangle(WIDTH / 2, WIDTH / 4)),
+    "grey and aside": aperture.union(
+        aperture.dimmed(aperture.iris(4, WIDTH / 2), 0.5),
+        aperture.moved(aperture.iris(3, WIDTH / 8), 7e-4, 2e-4),
+    ),
+    "whirl": aperture.whirl(WIDTH),
+    "ring of a circle and a square": aperture.subtraction(
+        aperture.circle(WIDTH), aperture.rectangle(WIDTH / 3, WIDTH / 3)
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", list(OUTLINES))
+@pytest.mark.parametrize("number", [0.2, 8.0, 40.0])
+@pytest.mark.parametrize("samples", [3, 8])
+def test_outlines_are_exact(kind, number, samples):
+    """Few wavelengths are computed each, many share amplitudes: both as the sum along the boundary."""
+    shape, distance = OUTLINES[kind], distance_at(number)
+    for grid in SMALL_PLANES:
+        found = near_picture(shape, grid, distance, GREY, samples=samples, field_method="polygons").pixels
+        wanted = brute_force(shape, grid, distance, GREY, samples)
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=FLOAT32)
+
+
+@pytest.mark.parametrize("number", [3.0, 40.0])
+def test_places_on_corners_and_edges(number):
+    square, step = aperture.rectangle(WIDTH, WIDTH), WIDTH / 8
+    for grid in (Grid((13, 12), (step, step)), Grid((9, 10), (step, step), (step, -step))):
+        found = near_picture(square, grid, distance_at(number), GREY, samples=9).pixels
+        wanted = brute_force(square, grid, distance_at(number), GREY, 9)
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=FLOAT32)
+
+
+def test_lines_at_the_ends_of_what_is_seen_share_amplitudes():
+    lines = light.spectrum(np.linspace(361e-9, 829e-9, 14), np.geomspace(1, 2, 14), "lines")
+    shape, grid = OUTLINES["turned pentagon"], SMALL_PLANES[1]
+    found = near_picture(shape, grid, distance_at(10.0), lines).pixels
+    wanted = brute_force(shape, grid, distance_at(10.0), lines, 1)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=FLOAT32)
+
+
+def test_more_wavelengths_than_are_computed_at_once():
+    shape, grid = OUTLINES["heptagon"], SMALL_PLANES[0]
+    stages = list(near_picture_stages(shape, grid, distance_at(9.0), GREY, samples=60))
+    assert len(stages) > 2
+    wanted = brute_force(shape, grid, distance_at(9.0), GREY, 60)
+    np.testing.assert_allclose(stages[-1].result.pixels, wanted, rtol=0, atol=FLOAT32)
+
+
+def test_a_plane_so_near_that_it_shows_the_shadow():
+    """All wavelengths see the same."""
+    square, grid = aperture.rectangle(WIDTH, WIDTH), Grid((6, 6), (WIDTH / 3, WIDTH / 3))
+    found = near_picture(square, grid, 1e-60, GREY, samples=9).pixels
+    inside = np.abs(np.arange(6) - 3) < 1.5
+    wanted = np.outer(inside, inside)[..., None] * light.white(GREY)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-4)
+
+
 def test_a_coarser_mask():
     shape, grid = raster("upright heptagon"), PLANES["odd"]
     found = near_picture(shape, grid, 0.3, GREY, samples=2, finest="quarter")

@@ -142,3 +142,27 @@ def add_plane(power: F32, weights: F32, total: F32) -> None:
             total[i, j, 0] += x * value
             total[i, j, 1] += y * value
             total[i, j, 2] += z * value
+
+
+@numba.njit(cache=True, parallel=True)
+def add_part(field: NDArray[np.complex64], weights: F32, total: F32) -> None:
+    """Add the power of one wavelength to a part of a plane in colour.
+
+    Parameters
+    ----------
+    field : ndarray of complex64, shape (rows, columns)
+        D.
+    weights : ndarray of float32, shape (3,)
+        Of this wavelength for X, Y and Z.
+    total : ndarray of float32, shape (rows, 3, columns)
+        Added to.
+    """
+    x, y, z = weights
+    for i in numba.prange(len(field)):
+        first, second, third = total[i]
+        for j in range(field.shape[1]):
+            value = field[i, j]
+            power = value.real * value.real + value.imag * value.imag
+            first[j] += x * power
+            second[j] += y * power
+            third[j] += z * power

@@ -5,9 +5,13 @@ where the foot of the perpendicular lies on it, the wave of a whole straight edg
 found in float64, so that they agree on every place. A corner adds exp(iπρ² / 2) times the smooth amplitudes
 g(|h|, |s|) of its two edges, signed: a series far off, a polynomial near by (`corner` has both). Those loops
 have no branches and run in float32 vectors; what passes through zero is counted from its zero.
+
+Other wavelengths see the same places and edges times a scale: ranges of columns stay as they are, and a
+corner's amplitudes are smooth in the scale, so that a few of them serve many wavelengths.
 """
 
 import math
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -33,6 +37,21 @@ PER_TURN, PER_HALF_TURN = np.float32(1 / (2 * math.pi)), np.float32(1 / math.pi)
 FLAT, TINY = np.float32(1e6), np.float32(1e-30)
 # A block's buffers: x and y of the polynomial, min / max of |h| and |s|, sums, a row of the polynomial.
 AT_X, AT_Y, RATIO, REAL, IMAG, PART, WORK = (k * BLOCK for k in (0, 1, 2, 3, 4, 5, 7))
+
+# Scales between which a corner's amplitudes are interpolated.
+STOPS = 6
+
+
+class Scales(NamedTuple):
+    """Several wavelengths, as scales of all lengths.
+
+    every (W,) are their scales; stops (N,) those at which a corner's amplitudes are computed; shares (W, N)
+    what each of these counts for each wavelength: N is STOPS, or stops are every one.
+    """
+
+    every: F64
+    stops: F64
+    shares: F32
 
 
 @numba.njit(cache=True, parallel=True)
@@ -81,12 +100,15 @@ def add_rows(
     out : ndarray of complex64, shape (rows, columns)
         Added to.
     """
+    alone = np.ones(1)
     for row in numba.prange(len(y)):
         line = np.zeros((2, len(x)), np.float32)
-        work = np.zeros(WORK, np.float32)
+        work, amplitude = np.zeros(WORK, np.float32), np.empty((2, len(x)), np.float32)
         for k in range(chunk[0], chunk[1]):
-            _edge(x, y[row], shape, k, line)
-            _corner(x, y[row], shape, k, waves, (k - chunk[0], row), table, work, line)
+            at = k - chunk[0]
+            _edge(x, y[row], shape, k, alone, line.reshape(1, 2, -1))
+            _corner(x, y[row], shape, k, 1.0, table, work, amplitude)
+            _turn(amplitude, waves[0][at], (waves[1][at, 0, row], waves[1][at, 1, row]), line)
         for j in range(out.shape[1]):
             out[row, j] += complex(line[0, j], line[1, j])
 
@@ -106,12 +128,120 @@ def mend_corners(x: F64, y: F64, shape: Polygons, tables: Tables, out: NDArray[n
     """
     for row in numba.prange(len(y)):
         for k in range(len(shape.after)):
-            if abs(shape.vertices[k, 1] - y[row]) < CLOSE:
-                first = np.searchsorted(x, shape.vertices[k, 0] - CLOSE)
-                for j in range(first, len(x)):
-                    if x[j] > shape.vertices[k, 0] + CLOSE:
-                        break
-                    out[row, j] = field_at(x[j], y[row], shape, tables)
+            first, after = _close(x, y[row], shape, k, CLOSE)
+            for j in range(first, after):
+                out[row, j] = field_at(x[j], y[row], shape, 1.0, tables)
+
+
+@numba.njit(cache=True, parallel=True)
+def add_colours(
+    x: F64,
+    y: F64,
+    shape: Polygons,
+    waves: tuple[F32, F32],
+    table: tuple[F32, I64],
+    tables: Tables,
+    scales: Scales,
+    weights: F32,
+    total: F32,
+) -> None:
+    """Add the powers of several wavelengths to a plane in colour.
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Of the columns, filled up to whole blocks, and of the rows.
+    shape : Polygons
+        In the same unit; all corners count.
+    waves : tuple of ndarray of float32, shapes (W, V, 2, C) and (W, V, 2, R)
+        From `fill_waves`, of each wavelength: along x and along y.
+    table : tuple of ndarray
+        From `corner.corner_table`, in float32.
+    tables : Tables
+        As of `field_at`.
+    scales : Scales
+        Of the wavelengths.
+    weights : ndarray of float32, shape (W, 3)
+        Of each wavelength for X, Y and Z.
+    total : ndarray of float32, shape (R, 3, C)
+        Added to.
+    """
+    count, columns = len(scales.every), total.shape[2]
+    for row in numba.prange(len(y)):
+        lines = np.zeros((count, 2, len(x)), np.float32)
+        work, amplitudes = np.zeros(WORK, np.float32), np.empty((len(scales.stops), 2, len(x)), np.float32)
+        for k in range(len(shape.after)):
+            _edge(x, y[row], shape, k, scales.every, lines)
+            for n in range(len(scales.stops)):
+                _corner(x, y[row], shape, k, scales.stops[n], table, work, amplitudes[n])
+            for w in range(count):
+                turn = waves[1][w, k, 0, row], waves[1][w, k, 1, row]
+                if len(amplitudes) == STOPS:
+                    _mix(amplitudes, scales.shares[w], waves[0][w, k], turn, lines[w])
+                else:
+                    _turn(amplitudes[w], waves[0][w, k], turn, lines[w])
+        for w in range(count):
+            for k in range(len(shape.after)):
+                first, after = _close(x[:columns], y[row], shape, k, CLOSE / scales.every[w])
+                for j in range(first, after):
+                    value = field_at(x[j], y[row], shape, scales.every[w], tables)
+                    lines[w, 0, j], lines[w, 1, j] = value.real, value.imag
+            _add_power(lines[w], weights[w], total[row])
+
+
+@numba.njit(cache=True)
+def _add_power(line: F32, weights: F32, total: F32) -> None:
+    """Add a row's power to its three channels."""
+    real, imag, (first, second, third) = line[0], line[1], total
+    x, y, z = weights
+    for j in range(len(first)):
+        power = real[j] * real[j] + imag[j] * imag[j]
+        first[j] += x * power
+        second[j] += y * power
+        third[j] += z * power
+
+
+@numba.njit(cache=True)
+def _close(x: F64, y: float, shape: Polygons, k: int, reach: float) -> tuple[int, int]:
+    """Return the first column as near as this to a corner, and the first after."""
+    if abs(shape.vertices[k, 1] - y) >= reach:
+        return 0, 0
+    base = shape.vertices[k, 0]
+    return np.searchsorted(x, base - reach), np.searchsorted(x, base + reach, "right")
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _turn(amplitude: F32, along: F32, turn: tuple[np.float32, np.float32], line: F32) -> None:
+    """Add a corner's wave: its amplitude times its phase."""
+    cosines, sines, real, imag = along[0], along[1], line[0], line[1]
+    cosine, sine = turn
+    for j in range(len(real)):
+        p, q = amplitude[0, j], amplitude[1, j]
+        u, v = cosines[j] * cosine - sines[j] * sine, cosines[j] * sine + sines[j] * cosine
+        real[j] += p * u - q * v
+        imag[j] += p * v + q * u
+
+
+@numba.njit(cache=True, error_model="numpy", fastmath=FAST)
+def _mix(amplitudes: F32, shares: F32, along: F32, turn: tuple[np.float32, np.float32], line: F32) -> None:
+    """Add a corner's wave, of amplitudes between those of some scales."""
+    cosines, sines, real, imag = along[0], along[1], line[0], line[1]
+    cosine, sine = turn
+    a, b, c, d, e, f = shares[0], shares[1], shares[2], shares[3], shares[4], shares[5]
+    A, B, C, D, E, F = (
+        amplitudes[0],
+        amplitudes[1],
+        amplitudes[2],
+        amplitudes[3],
+        amplitudes[4],
+        amplitudes[5],
+    )
+    for j in range(len(real)):
+        p = a * A[0, j] + b * B[0, j] + c * C[0, j] + d * D[0, j] + e * E[0, j] + f * F[0, j]
+        q = a * A[1, j] + b * B[1, j] + c * C[1, j] + d * D[1, j] + e * E[1, j] + f * F[1, j]
+        u, v = cosines[j] * cosine - sines[j] * sine, cosines[j] * sine + sines[j] * cosine
+        real[j] += p * u - q * v
+        imag[j] += p * v + q * u
 
 
 @numba.njit(cache=True)
@@ -136,8 +266,8 @@ def _negative(x: F64, origin: float, slope: float, rest: float, zero: bool) -> t
 
 
 @numba.njit(cache=True)
-def _edge(x: F64, y: float, shape: Polygons, k: int, line: F32) -> None:
-    """Add an edge's winding, and its wave where the foot of the perpendicular lies on it."""
+def _edge(x: F64, y: float, shape: Polygons, k: int, scales: F64, lines: F32) -> None:
+    """Add an edge's winding, and its wave where the foot of the perpendicular lies on it, at each scale."""
     end, anchor = shape.after[k], shape.anchors[k]
     along_x, along_y = shape.directions[k]
     origin, rest = shape.vertices[anchor, 0], (y - shape.vertices[anchor, 1]) * along_x
@@ -145,10 +275,10 @@ def _edge(x: F64, y: float, shape: Polygons, k: int, line: F32) -> None:
     weight = np.float32(shape.weights[k])
     low, high = shape.vertices[k, 1] <= y, shape.vertices[end, 1] <= y
     if low and not high:
-        _add_to(line[0], 0, lower, weight)
-        _add_to(line[0], upper, len(x), weight)
+        _add_to(lines, 0, lower, weight)
+        _add_to(lines, upper, len(x), weight)
     elif high and not low:
-        _add_to(line[0], lower, upper, -weight)
+        _add_to(lines, lower, upper, -weight)
     first, after = _negative(x, shape.vertices[k, 0], along_x, (shape.vertices[k, 1] - y) * along_y, False)
     begun, ended = _negative(
         x, shape.vertices[end, 0], along_x, (shape.vertices[end, 1] - y) * along_y, False
@@ -162,15 +292,17 @@ def _edge(x: F64, y: float, shape: Polygons, k: int, line: F32) -> None:
         (max(first, upper), after, -weight),
     ):
         if begin < stop:
-            _straight_wave(
-                x[begin:stop], origin, along_y, rest, sign, line[0][begin:stop], line[1][begin:stop]
-            )
+            for w in range(len(scales)):
+                scale, part = scales[w], lines[w, :, begin:stop]
+                _straight_wave(x[begin:stop], origin, scale * along_y, scale * rest, sign, part[0], part[1])
 
 
 @numba.njit(cache=True)
-def _add_to(line: F32, first: int, after: int, value: np.float32) -> None:
-    for j in range(first, after):
-        line[j] += value
+def _add_to(lines: F32, first: int, after: int, value: np.float32) -> None:
+    for w in range(len(lines)):
+        line = lines[w, 0]
+        for j in range(first, after):
+            line[j] += value
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -198,7 +330,7 @@ def _through_zero(value: float, slope: float) -> Line:
 
 
 @numba.njit(cache=True)
-def _end(x: F64, y: float, shape: Polygons, vertex: int, edge: int) -> End:
+def _end(x: F64, y: float, shape: Polygons, vertex: int, edge: int, scale: float) -> End:
     """Return h and s of an edge's end as lines over the columns, and the columns where s is negative."""
     along_x, along_y = shape.directions[edge]
     anchor = shape.anchors[edge]
@@ -208,8 +340,8 @@ def _end(x: F64, y: float, shape: Polygons, vertex: int, edge: int) -> End:
     s = (shape.vertices[vertex, 0] - x[0]) * along_x + rest
     first, after = _negative(x, shape.vertices[vertex, 0], along_x, rest, False)
     return (
-        _through_zero(h, -step * along_y),
-        _through_zero(s, -step * along_x),
+        _through_zero(scale * h, -scale * step * along_y),
+        _through_zero(scale * s, -scale * step * along_x),
         (np.float32(first), np.float32(after)),
     )
 
@@ -220,33 +352,32 @@ def _corner(
     y: float,
     shape: Polygons,
     vertex: int,
-    waves: tuple[F32, F32],
-    place: tuple[int, int],
+    scale: float,
     table: tuple[F32, I64],
     work: F32,
     line: F32,
 ) -> None:
-    """Add a corner's wave along a row."""
-    start = _end(x, y, shape, vertex, shape.before[vertex])
-    end = _end(x, y, shape, vertex, vertex)
+    """Fill the amplitude of a corner's wave along a row."""
+    start = _end(x, y, shape, vertex, shape.before[vertex], scale)
+    end = _end(x, y, shape, vertex, vertex, scale)
     across, base = shape.vertices[vertex, 1] - y, shape.vertices[vertex, 0]
     weight = np.float32(shape.weights[vertex])
-    along, turn = waves[0][place[0]], (waves[1][place[0], 0, place[1]], waves[1][place[0], 1, place[1]])
-    reach = math.sqrt(max(NEAR * NEAR - across * across, 0.0))
+    reach = math.sqrt(max((NEAR / scale) ** 2 - across * across, 0.0))
     first = np.searchsorted(x, base - reach)
     after = np.searchsorted(x, base + reach) if reach > 0 else first
-    away = np.float32(base - x[0]), np.float32(x[1] - x[0]), np.float32(across)
+    away = np.float32(scale * (base - x[0])), np.float32(scale * (x[1] - x[0])), np.float32(scale * across)
     if after - first < len(x):
         near = np.float32(first), np.float32(after)
-        _far(start, end, away, near, along, turn, weight, line)
+        _far(start, end, away, near, weight, line)
+    else:
+        line[:] = np.float32(0)
     for low in range(first - first % BLOCK, after, BLOCK):
         near = np.float32(first - low), np.float32(after - low)
         part = line[0][low : low + BLOCK], line[1][low : low + BLOCK]
-        wave = along[0][low : low + BLOCK], along[1][low : low + BLOCK]
         _block(start, np.float32(low), table, work)
-        _add_block(start, np.float32(low), near, wave, turn, weight, work, part)
+        _add_block(start, np.float32(low), near, weight, work, part)
         _block(end, np.float32(low), table, work)
-        _add_block(end, np.float32(low), near, wave, turn, -weight, work, part)
+        _add_block(end, np.float32(low), near, -weight, work, part)
 
 
 @numba.njit(inline="always")
@@ -289,19 +420,16 @@ def _far(
     end: End,
     away: Line,
     near: tuple[np.float32, np.float32],
-    along: F32,
-    turn: tuple[np.float32, np.float32],
     weight: np.float32,
     line: F32,
 ) -> None:
-    """Add a corner's wave where its series serves: g = h / (2πρ²) Σ (−1)^k m_k ρ^(−2k)."""
+    """Fill a corner's amplitude where its series serves: g = h / (2πρ²) Σ (−1)^k m_k ρ^(−2k)."""
     (h0, m0, r0), (t0, n0, q0), (first0, after0) = start
     (h1, m1, r1), (t1, n1, q1), (first1, after1) = end
     base, step, across = away
     square, least = across * across, np.float32(NEAR * NEAR)
     first, after = near
-    cosines, sines, real, imag = along[0], along[1], line[0], line[1]
-    cosine, sine = turn
+    real, imag = line[0], line[1]
     scale = weight * PER_TURN
     for j in range(len(real)):
         place = np.float32(j)
@@ -315,10 +443,7 @@ def _far(
         there = -there if place >= first1 and place < after1 else there
         size = scale * inverse
         size = np.float32(0) if place >= first and place < after else size
-        p, q = size * (here * a - there * c), size * (here * b - there * d)
-        u, v = cosines[j] * cosine - sines[j] * sine, cosines[j] * sine + sines[j] * cosine
-        real[j] += p * u - q * v
-        imag[j] += p * v + q * u
+        real[j], imag[j] = size * (here * a - there * c), size * (here * b - there * d)
 
 
 @numba.njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -356,16 +481,13 @@ def _add_block(
     end: End,
     low: np.float32,
     near: tuple[np.float32, np.float32],
-    along: tuple[F32, F32],
-    turn: tuple[np.float32, np.float32],
     weight: np.float32,
     work: F32,
     line: tuple[F32, F32],
 ) -> None:
-    """Add a corner's wave near it, from the polynomial and g(h, s) + g(s, h) = −i / 2 w(h) w(s)."""
+    """Add a corner's amplitude near it, from the polynomial and g(h, s) + g(s, h) = −i / 2 w(h) w(s)."""
     (h, m, r), (t, n, q), (first, after) = end
-    (cosines, sines), (real, imag) = along, line
-    cosine, sine = turn
+    real, imag = line
     for j in range(BLOCK):
         place = np.float32(j) + low
         across, s = h * (place + m) + r, abs(t * (place + n) + q)
@@ -380,6 +502,5 @@ def _add_block(
         sign = weight if across > 0 else -weight
         sign = -sign if place >= first and place < after else sign
         sign = sign if np.float32(j) >= near[0] and np.float32(j) < near[1] else np.float32(0)
-        u, v = cosines[j] * cosine - sines[j] * sine, cosines[j] * sine + sines[j] * cosine
-        real[j] += sign * (a * u - b * v)
-        imag[j] += sign * (a * v + b * u)
+        real[j] += sign * a
+        imag[j] += sign * b

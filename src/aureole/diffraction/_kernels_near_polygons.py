@@ -63,7 +63,7 @@ def side_of(h: float, along_x: float, along_y: float) -> bool:
 
 
 @numba.njit(cache=True)
-def field_at(x: float, y: float, shape: Polygons, tables: Tables) -> complex:
+def field_at(x: float, y: float, shape: Polygons, scale: float, tables: Tables) -> complex:
     """Return the field at a place, in float64.
 
     Parameters
@@ -72,12 +72,14 @@ def field_at(x: float, y: float, shape: Polygons, tables: Tables) -> complex:
         The place.
     shape : Polygons
         As above.
+    scale : float
+        Of all these lengths.
     tables : Tables
         As above.
     """
     for k in range(len(shape.after)):
-        if abs(shape.vertices[k, 0] - x) < TOUCH and abs(shape.vertices[k, 1] - y) < TOUCH:
-            x = shape.vertices[k, 0] + TOUCH
+        if abs(shape.vertices[k, 0] - x) < TOUCH / scale and abs(shape.vertices[k, 1] - y) < TOUCH / scale:
+            x = shape.vertices[k, 0] + TOUCH / scale
             break
     total = 0j
     for k in range(len(shape.after)):
@@ -89,8 +91,11 @@ def field_at(x: float, y: float, shape: Polygons, tables: Tables) -> complex:
         # Edges that cross the place's row to its right wind about it.
         low, high = shape.vertices[k, 1] <= y, shape.vertices[end, 1] <= y
         value = complex(1.0 if low and positive else -1.0) if low != high and low == positive else 0j
-        first = _corner(shape.vertices[k, 0] - x, shape.vertices[k, 1] - y, along_x, along_y, h, tables)
-        last = _corner(shape.vertices[end, 0] - x, shape.vertices[end, 1] - y, along_x, along_y, h, tables)
+        h *= scale
+        start = scale * (shape.vertices[k, 0] - x), scale * (shape.vertices[k, 1] - y)
+        stop = scale * (shape.vertices[end, 0] - x), scale * (shape.vertices[end, 1] - y)
+        first = _corner(start[0], start[1], along_x, along_y, h, tables)
+        last = _corner(stop[0], stop[1], along_x, along_y, h, tables)
         value -= first - last if positive else last - first
         total += shape.weights[k] * value
     return total

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from aureole import light, refuse
 from aureole.diffraction.far import RASTER_SIZE, check_grid
 from aureole.diffraction.near import NearOperator, near_power
-from aureole.diffraction.near_sums import PlaneSum, RowsSum
+from aureole.diffraction.near_sums import sum_for
 from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
 
 METHODS = ("exact", "approximate")
@@ -217,16 +217,16 @@ def wavelengths_needed(aperture: Aperture, grid: Grid, distance: float, waveleng
 def _exact(
     operator: NearOperator, distance: float, spectrum: Spectrum, samples: int | None
 ) -> Iterator[Stage]:
-    """Add up the power of one wavelength after the other."""
+    """Add up the powers of all wavelengths."""
     if samples is None:
         middle = _reference_wavelength(spectrum, None)
         samples = wavelengths_needed(operator.aperture, operator.grid, distance, middle)
     wavelengths, weights = light.quadrature(spectrum, samples)
-    of_rows = operator.method == "rows" and operator.aperture.wavefront is None
-    total = RowsSum(operator) if of_rows else PlaneSum(operator)
-    for index, (wavelength, weight) in enumerate(zip(wavelengths, weights, strict=True)):
-        yield Stage(index / len(wavelengths), f"near field at {wavelength * 1e9:.0f} nm")
-        total.add(distance, float(wavelength), weight)
+    total = sum_for(operator)
+    for first in range(0, len(wavelengths), total.at_once):
+        yield Stage(first / len(wavelengths), f"near field at {wavelengths[first] * 1e9:.0f} nm")
+        batch = slice(first, first + total.at_once)
+        total.add(distance, wavelengths[batch], weights[batch])
     yield Stage(1.0, "near field", light.in_white_of(spectrum, total.pixels()))
 
 

@@ -34,6 +34,8 @@ PANEL_TURNS = 3.0
 NODES_AN_EDGE = 100
 # Corners that are as near as this, of the size, are one; longer rings are not searched for symmetry.
 SAME_PLACE, MOST_COMPARED = 1e-12, 512
+# Wavelengths, and phases of theirs along the axes, that are held at a time.
+MOST_WAVELENGTHS, PHASES = 40, 1 << 22
 
 
 def straight_near(rings: list[Outline], grid: Grid, scale: float) -> NDArray[np.complex64]:
@@ -53,23 +55,111 @@ def straight_near(rings: list[Outline], grid: Grid, scale: float) -> NDArray[np.
     ndarray of complex64, shape (rows, columns)
         Without unit; to about 2e-6.
     """
-    axes, picked = [], []
-    for k, (axis, count, spacing) in enumerate(zip(grid.axes(), grid.shape, grid.spacing, strict=True)):
-        halved = grid.centre[k] == 0 and all(_is_mirrored(ring, 1 - k) for ring in rings)
-        axes.append(np.arange(count // 2 + 1) * spacing if halved else axis)
-        picked.append(np.abs(np.arange(count) - count // 2) if halved else np.arange(count))
-    size = max(float(np.max(np.abs(each))) for each in (*axes, *(ring.vertices for ring in rings)))
-    scale = min(scale, LARGEST / size)
-    y, x = (np.asarray(axis * scale, dtype=np.float64) for axis in axes)
-    scaled = [Outline(ring.vertices * scale, ring.bulges, ring.transmittance) for ring in rings]
-    out = np.zeros((len(y), len(x)), dtype=np.complex64)
-    panel = panel_length(scaled, y, x)
-    edges = sum(len(ring.vertices) for ring in rings)
-    if _node_count(scaled, panel) <= NODES_AN_EDGE * edges:
-        add_by_nodes(scaled, y, x, panel, out)
-    else:
-        _add_by_corners(scaled, y, x, grid.spacing[1] * scale, out)
-    return out if out.shape == grid.shape else out[np.ix_(*picked)]
+    straight = StraightRings(rings, grid)
+    part = straight.part(scale)
+    for axis, (middle, count) in enumerate(zip(straight.middle, grid.shape, strict=True)):
+        if middle >= 0:
+            back = np.flip(np.take(part, range(1, middle + 1), axis), axis)
+            part = np.concatenate([back, np.take(part, range(count - middle), axis)], axis)
+    return part
+
+
+class StraightRings:
+    """Rings of straight edges and the part of a plane that their mirror symmetry leaves.
+
+    Parameters
+    ----------
+    rings : list of Outline
+        Without arcs; metres.
+    grid : Grid
+        Metres.
+
+    Attributes
+    ----------
+    middle : tuple of int
+        Row and column at the origin, where only places from there on are computed, else −1.
+    shape : tuple of int
+        Rows and columns that are computed.
+    """
+
+    def __init__(self, rings: list[Outline], grid: Grid) -> None:
+        self._rings, self._spacing = rings, grid.spacing[1]
+        axes, middle = [], []
+        for k, (axis, count, spacing) in enumerate(zip(grid.axes(), grid.shape, grid.spacing, strict=True)):
+            halved = grid.centre[k] == 0 and all(_is_mirrored(ring, 1 - k) for ring in rings)
+            axes.append(np.arange(count // 2 + 1) * spacing if halved else axis)
+            middle.append(count // 2 if halved else -1)
+        self._axes = axes
+        self.middle, self.shape = (middle[0], middle[1]), (len(axes[0]), len(axes[1]))
+        self._size = max(float(np.max(np.abs(each))) for each in (*axes, *(ring.vertices for ring in rings)))
+        self._edges = sum(len(ring.vertices) for ring in rings)
+
+    def at_once(self) -> int:
+        """Return of how many wavelengths the phases take little memory.
+
+        Returns
+        -------
+        int
+            At least 1.
+        """
+        return max(1, min(MOST_WAVELENGTHS, PHASES // (self._edges * sum(self.shape))))
+
+    def part(self, scale: float) -> NDArray[np.complex64]:
+        """Return the field on the part that is computed.
+
+        Parameters
+        ----------
+        scale : float
+            √(2 / (λz)), per metre.
+
+        Returns
+        -------
+        ndarray of complex64, shape `shape`
+            Without unit; to about 2e-6.
+        """
+        scaled, y, x = self._scaled(scale)
+        out = np.zeros(self.shape, dtype=np.complex64)
+        panel = panel_length(scaled, y, x)
+        if self._by_nodes(scaled, panel):
+            add_by_nodes(scaled, y, x, panel, out)
+        else:
+            _add_by_corners(scaled, y, x, self._spacing * min(scale, LARGEST / self._size), out)
+        return out
+
+    def add_powers(
+        self, scales: NDArray[np.float64], weights: NDArray[np.float64], total: NDArray[np.float32]
+    ) -> None:
+        """Add the powers of several wavelengths on the part that is computed.
+
+        Parameters
+        ----------
+        scales : ndarray of float64, shape (W,)
+            √(2 / (λz)) of each, per metre.
+        weights : ndarray of float64, shape (W, 3)
+            Of each for X, Y and Z.
+        total : ndarray of float32, shape (rows, 3, columns)
+            Added to.
+        """
+        from aureole.diffraction import _kernels_near_colour
+
+        scaled, y, x = self._scaled(float(scales.max()))
+        if self._edges <= MOST_AT_ONCE and not self._by_nodes(scaled, panel_length(scaled, y, x)):
+            reference = min(float(scales.max()), LARGEST / self._size)
+            every = np.minimum(scales, LARGEST / self._size) / reference
+            _add_colours(scaled, y, x, self._spacing * reference, every, weights, total)
+            return
+        for scale, weight in zip(scales, weights, strict=True):
+            _kernels_near_colour.add_part(self.part(float(scale)), weight.astype(np.float32), total)
+
+    def _scaled(self, scale: float) -> tuple[list[Outline], NDArray[np.float64], NDArray[np.float64]]:
+        """Return the rings, the rows and the columns in units of √(λz / 2)."""
+        scale = min(scale, LARGEST / self._size)
+        y, x = (np.asarray(axis * scale, dtype=np.float64) for axis in self._axes)
+        return [Outline(ring.vertices * scale, ring.bulges, ring.transmittance) for ring in self._rings], y, x
+
+    def _by_nodes(self, scaled: list[Outline], panel: float) -> bool:
+        """Say whether the product over nodes takes less time than corners."""
+        return _node_count(scaled, panel) <= NODES_AN_EDGE * self._edges
 
 
 def panel_length(rings: list[Outline], y: NDArray[np.float64], x: NDArray[np.float64]) -> float:
@@ -161,7 +251,7 @@ def _add_by_corners(
     from aureole.diffraction._kernels_near_polygons import Tables
 
     shape = _polygons(rings, (x[len(x) // 2], y[len(y) // 2]))
-    filled = np.concatenate([x, x[-1] + step * np.arange(1, -len(x) % kernels.BLOCK + 1)])
+    filled = _filled(x, step)
     coefficients, orders = corner_table("coarse")
     table = coefficients.astype(np.float32), orders
     for first in range(0, len(shape.after), MOST_AT_ONCE):
@@ -173,6 +263,66 @@ def _add_by_corners(
         kernels.fill_waves(shape.vertices[first : chunk[1], 1].copy(), y, along_y)
         kernels.add_rows(filled, y, shape, chunk, (along_x, along_y), table, out)
     kernels.mend_corners(x, y, shape, Tables(taylor_table(), *corner_table()), out)
+
+
+def _add_colours(
+    rings: list[Outline],
+    y: NDArray[np.float64],
+    x: NDArray[np.float64],
+    step: float,
+    scales: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    total: NDArray[np.float32],
+) -> None:
+    """Add the powers of wavelengths that see all lengths times a scale, by corners."""
+    from aureole.diffraction import _kernels_near_edges as kernels
+    from aureole.diffraction._kernels_near_polygons import Tables
+
+    shape = _polygons(rings, (x[len(x) // 2], y[len(y) // 2]))
+    filled = _filled(x, step)
+    coefficients, orders = corner_table("coarse")
+    stops, shares = _stops(scales)
+    waves = []
+    for k, places in enumerate((filled, y)):
+        out = np.empty((len(scales), len(shape.after), 2, len(places)), dtype=np.float32)
+        for scale, wave in zip(scales, out, strict=True):
+            kernels.fill_waves(scale * shape.vertices[:, k], scale * places, wave)
+        waves.append(out)
+    kernels.add_colours(
+        filled,
+        y,
+        shape,
+        (waves[0], waves[1]),
+        (coefficients.astype(np.float32), orders),
+        Tables(taylor_table(), *corner_table()),
+        kernels.Scales(scales, stops, shares),
+        weights.astype(np.float32),
+        total,
+    )
+
+
+def _stops(scales: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
+    """Return the scales to interpolate between, and their shares in each: Chebyshev's nodes, or all."""
+    from aureole.diffraction._kernels_near_edges import STOPS
+
+    if len(scales) <= STOPS:
+        return scales, np.eye(len(scales), dtype=np.float32)
+    low, high = float(scales.min()), float(scales.max())
+    # Scales that hardly differ still need stops that do.
+    half = max(0.5 * (high - low), 1e-3 * high)
+    stops = 0.5 * (high + low) + half * np.polynomial.chebyshev.chebpts1(STOPS)
+    shares = np.ones((len(scales), STOPS))
+    for n, stop in enumerate(stops):
+        for other in np.delete(stops, n):
+            shares[:, n] *= (scales - other) / (stop - other)
+    return stops, shares.astype(np.float32)
+
+
+def _filled(x: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Return columns that are a step apart, filled up to whole blocks."""
+    from aureole.diffraction._kernels_near_edges import BLOCK
+
+    return np.concatenate([x, x[-1] + step * np.arange(1, -len(x) % BLOCK + 1)])
 
 
 def _polygons(rings: list[Outline], middle: tuple[float, float]) -> "Polygons":

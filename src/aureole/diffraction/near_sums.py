@@ -2,7 +2,8 @@
 
 For a mask's distinct rows what does not depend on the wavelength is found once: where its lines step and
 where each of them stands. |D|² goes into the sum tile by tile, without D being stored, and where the plane
-is centred on the axis only a quarter of it is computed, and unfolded at the end.
+is centred on the axis only a quarter of it is computed, and unfolded at the end. So it is for straight-edged
+outlines that are their own mirror image; there many wavelengths share the amplitudes of the corners' waves.
 """
 
 from typing import Any
@@ -12,10 +13,31 @@ from numpy.typing import NDArray
 
 from aureole.diffraction import _kernels_near_colour, near_pixels
 from aureole.diffraction.near import NearOperator
+from aureole.diffraction.near_polygons import StraightRings
 from aureole.diffraction.rows import STEPS_APART, Factor, sides
 
 # Rows of a matrix that is mostly zero: where each starts, and place and weight of each entry.
 Sparse = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float32]]
+
+
+def sum_for(operator: NearOperator) -> "PlaneSum | RowsSum | EdgesSum":
+    """Return the sum that takes the least time.
+
+    Parameters
+    ----------
+    operator : NearOperator
+        The aperture and the plane.
+
+    Returns
+    -------
+    PlaneSum, RowsSum or EdgesSum
+        Empty.
+    """
+    rings = operator.aperture.outlines
+    if operator.method == "polygons" and rings and not any(np.any(ring.bulges) for ring in rings):
+        return EdgesSum(operator)
+    of_rows = operator.method == "rows" and operator.aperture.wavefront is None
+    return RowsSum(operator) if of_rows else PlaneSum(operator)
 
 
 class PlaneSum:
@@ -27,22 +49,27 @@ class PlaneSum:
         The aperture and the plane.
     """
 
+    at_once = 1
+
     def __init__(self, operator: NearOperator) -> None:
         self._operator = operator
         self._total = np.zeros((*operator.grid.shape, 3), dtype=np.float32)
 
-    def add(self, distance: float, wavelength: float, weight: NDArray[np.float64]) -> None:
-        """Add one wavelength.
+    def add(self, distance: float, wavelengths: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
+        """Add some wavelengths, `at_once` at most.
 
         Parameters
         ----------
-        distance, wavelength : float
+        distance : float
             Metres.
-        weight : ndarray of float64, shape (3,)
+        wavelengths : ndarray of float64, shape (W,)
+            Metres.
+        weights : ndarray of float64, shape (W, 3)
             For X, Y and Z.
         """
-        power = self._operator.power(distance, wavelength).astype(np.float32, copy=False)
-        _kernels_near_colour.add_plane(power, weight.astype(np.float32), self._total)
+        for wavelength, weight in zip(wavelengths.tolist(), weights, strict=True):
+            power = self._operator.power(distance, wavelength).astype(np.float32, copy=False)
+            _kernels_near_colour.add_plane(power, weight.astype(np.float32), self._total)
 
     def pixels(self) -> NDArray[np.float32]:
         """Return the sum so far.
@@ -64,6 +91,8 @@ class RowsSum:
         A raster without a wavefront and the plane, method "rows".
     """
 
+    at_once = 1
+
     def __init__(self, operator: NearOperator) -> None:
         self._grid = operator.grid
         self._factors: list[Factor] = operator.prepared["factors"]
@@ -77,16 +106,22 @@ class RowsSum:
         rows, columns = (len(places) for places in self._axes.places)
         self._total = np.zeros((*halves, rows, 3, columns), dtype=np.float32)
 
-    def add(self, distance: float, wavelength: float, weight: NDArray[np.float64]) -> None:
-        """Add one wavelength.
+    def add(self, distance: float, wavelengths: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
+        """Add some wavelengths, `at_once` at most.
 
         Parameters
         ----------
-        distance, wavelength : float
+        distance : float
             Metres.
-        weight : ndarray of float64, shape (3,)
+        wavelengths : ndarray of float64, shape (W,)
+            Metres.
+        weights : ndarray of float64, shape (W, 3)
             For X, Y and Z.
         """
+        for wavelength, weight in zip(wavelengths.tolist(), weights, strict=True):
+            self._add(distance, wavelength, weight)
+
+    def _add(self, distance: float, wavelength: float, weight: NDArray[np.float64]) -> None:
         tables = self._axes.tables(distance, wavelength)
         parts = [
             (2 * each.odd[0] + each.odd[1], *_sides(each, sparse, tables))
@@ -109,6 +144,50 @@ class RowsSum:
         """
         out = np.empty((*self._grid.shape, 3), dtype=np.float32)
         _kernels_near_colour.unfold_colour(self._total, near_pixels.middle_of(self._grid), out)
+        return out
+
+
+class EdgesSum:
+    """A sum on the part of the plane that the symmetry of straight-edged outlines leaves.
+
+    Parameters
+    ----------
+    operator : NearOperator
+        Outlines without arcs and the plane, method "polygons".
+    """
+
+    def __init__(self, operator: NearOperator) -> None:
+        self._grid = operator.grid
+        self._rings = StraightRings(list(operator.aperture.outlines), operator.grid)
+        self.at_once = self._rings.at_once()
+        rows, columns = self._rings.shape
+        self._total = np.zeros((rows, 3, columns), dtype=np.float32)
+
+    def add(self, distance: float, wavelengths: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
+        """Add some wavelengths, `at_once` at most.
+
+        Parameters
+        ----------
+        distance : float
+            Metres.
+        wavelengths : ndarray of float64, shape (W,)
+            Metres.
+        weights : ndarray of float64, shape (W, 3)
+            For X, Y and Z.
+        """
+        scales = [near_pixels.scale_of(distance, wavelength) for wavelength in wavelengths.tolist()]
+        self._rings.add_powers(np.array(scales), weights, self._total)
+
+    def pixels(self) -> NDArray[np.float32]:
+        """Return the sum so far.
+
+        Returns
+        -------
+        ndarray of float32, shape (rows, columns, 3)
+            X, Y, Z.
+        """
+        out = np.empty((*self._grid.shape, 3), dtype=np.float32)
+        _kernels_near_colour.unfold_colour(self._total[None, None], self._rings.middle, out)
         return out
 
 
