@@ -217,11 +217,12 @@ def scaled_by_spline(power, wide, grid, scale):
     return ndimage.map_coordinates(power.astype(float), np.meshgrid(*places, indexing="ij"), order=1)
 
 
-@pytest.mark.parametrize("plane", ["even", "odd", "off the axis"])
+@pytest.mark.parametrize("kind", ["turned heptagon", "upright heptagon", "circle"])
+@pytest.mark.parametrize("plane", ["even", "odd", "off the axis along x", "off the axis"])
 @pytest.mark.parametrize("strength", [0.05, -0.4])
-def test_the_approximation_scales_one_pattern(plane, strength):
+def test_the_approximation_scales_one_pattern(kind, plane, strength):
     """Σ w |D_r((1 + s (1 − ρ)) q)|², ρ = λ_r / λ (quad paper §4.5), and no wavelength is made brighter."""
-    shape, grid, reference = raster("turned heptagon"), PLANES[plane], 540e-9
+    shape, grid, reference = raster(kind), PLANES[plane], 540e-9
     found = near_picture(
         shape, grid, 0.2, GREY, "approximate", 7, strength=strength, reference_wavelength=reference
     )

@@ -9,6 +9,7 @@ looks plausible, is many times faster, and is not physically accurate.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from aureole import light, refuse
 from aureole.diffraction.far import RASTER_SIZE, check_grid
 from aureole.diffraction.near import NearOperator, near_power
+from aureole.diffraction.near_pixels import unfolded
 from aureole.diffraction.near_sums import sum_for
 from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
 
@@ -189,7 +191,7 @@ def near_picture_stages(
     yield Stage(0.7, "near field's colours")
     pattern = Pattern(power.astype(np.float32, copy=False), wide, wavelength, 0.0)
     count = rule.samples(grid) if samples is None else samples
-    yield Stage(1.0, "near field", light.stretched_sum(pattern, spectrum, rule.scales, grid, count))
+    yield Stage(1.0, "near field", _stretched(pattern, spectrum, rule, grid, count))
 
 
 def wavelengths_needed(aperture: Aperture, grid: Grid, distance: float, wavelength: float) -> int:
@@ -228,6 +230,31 @@ def _exact(
         batch = slice(first, first + total.at_once)
         total.add(distance, wavelengths[batch], weights[batch])
     yield Stage(1.0, "near field", light.in_white_of(spectrum, total.pixels()))
+
+
+def _stretched(pattern: Pattern, spectrum: Spectrum, rule: "_Stretch", grid: Grid, samples: int) -> Picture:
+    """Look a pattern up, on a part of the plane where it is its own mirror image."""
+    mirrored = [
+        centre == 0 and _is_mirrored(pattern.intensity, axis) for axis, centre in enumerate(grid.centre)
+    ]
+    middle = tuple(n // 2 if alike else -1 for n, alike in zip(grid.shape, mirrored, strict=True))
+    shape = tuple(n // 2 + 1 if alike else n for n, alike in zip(grid.shape, mirrored, strict=True))
+    # A part that starts on the axis has its middle so many samples beyond.
+    centre = tuple(
+        n // 2 * step if alike else where
+        for n, step, alike, where in zip(shape, grid.spacing, mirrored, grid.centre, strict=True)
+    )
+    part = Grid((shape[0], shape[1]), grid.spacing, (centre[0], centre[1]))
+    picture = light.stretched_sum(pattern, spectrum, rule.scales, part, samples)
+    return replace(picture, pixels=unfolded(picture.pixels, (middle[0], middle[1]), grid.shape))
+
+
+def _is_mirrored(power: NDArray[np.float32], axis: int) -> bool:
+    """Say whether a plane about the axis is its own mirror image, to the last digit, along one axis."""
+    along = np.moveaxis(power, axis, 0)
+    middle = len(along) // 2
+    after = along[middle + 1 :]
+    return np.array_equal(after, along[middle - len(after) : middle][::-1])
 
 
 class _Stretch:

@@ -517,6 +517,32 @@ def middle_of(grid: Grid) -> tuple[int, int]:
     return row, column
 
 
+def unfolded(part: NDArray[Any], middle: tuple[int, int], shape: tuple[int, int]) -> NDArray[Any]:
+    """Return a plane that is its own mirror image from the part from its origin on.
+
+    Parameters
+    ----------
+    part : ndarray, shape (P, Q) or (P, Q, 3)
+        The rows and columns from the origin on, along axes that are mirrored, else all.
+    middle : tuple of int
+        Row and column at the plane's origin where the plane is mirrored, else −1.
+    shape : tuple of int
+        Of the plane.
+
+    Returns
+    -------
+    ndarray, shape (rows, columns) or (rows, columns, 3)
+        The plane.
+    """
+    row, column = max(middle[0], 0), max(middle[1], 0)
+    out = np.empty((*shape, *part.shape[2:]), part.dtype)
+    out[row:, column:] = part[: shape[0] - row, : shape[1] - column]
+    out[row:, :column] = part[: shape[0] - row, column:0:-1]
+    out[:row, column:] = part[row:0:-1, : shape[1] - column]
+    out[:row, :column] = part[row:0:-1, column:0:-1]
+    return out
+
+
 def _interval_factors(axis: Axis, places: NDArray[np.float64], scale: float) -> NDArray[np.float32]:
     """Return the even and the odd factor of each of a list's intervals, in units of the width."""
     ends = np.concatenate([axis.centres - 0.5 * axis.sizes, axis.centres + 0.5 * axis.sizes])

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from aureole import aperture as apertures
 from aureole.diffraction.corner import corner_table
 from aureole.diffraction.fresnel import fresnel_integrals, taylor_table
+from aureole.diffraction.near_pixels import unfolded
 from aureole.diffraction.rows import multiply
 from aureole.records import Grid, Outline
 
@@ -56,12 +57,7 @@ def straight_near(rings: list[Outline], grid: Grid, scale: float) -> NDArray[np.
         Without unit; to about 2e-6.
     """
     straight = StraightRings(rings, grid)
-    part = straight.part(scale)
-    for axis, (middle, count) in enumerate(zip(straight.middle, grid.shape, strict=True)):
-        if middle >= 0:
-            back = np.flip(np.take(part, range(1, middle + 1), axis), axis)
-            part = np.concatenate([back, np.take(part, range(count - middle), axis)], axis)
-    return part
+    return unfolded(straight.part(scale), straight.middle, grid.shape)
 
 
 class StraightRings:
