@@ -30,7 +30,7 @@ from aureole.diffraction import polygons
 SEED = 7
 WORKERS = 2
 DIAMETER = 3e-3
-DEGREE = 8  # of the common denominator of the Fresnel auxiliary functions
+DEGREE = 9  # of the common denominator of the Fresnel auxiliary functions
 NEAR_DISC = 3.0
 
 

@@ -54,6 +54,20 @@ def test_methods_agree(method, kind, centre):
             np.testing.assert_allclose(found.amplitude, wanted, rtol=0, atol=atol)
 
 
+@pytest.mark.parametrize("shape", [aperture.iris(7, WIDTH), aperture.circle(WIDTH), aperture.whirl(WIDTH)])
+def test_the_irradiance_to_7e_6_of_its_mean(shape):
+    """At 200 places of a plane twice as wide, behind 1024² pixels: a thousand products a place."""
+    raster = aperture.from_mask(aperture.rasterize(shape, 1024), WIDTH)
+    y, x = np.random.default_rng(3).uniform(-1e-4, 1e-4, 2)
+    grid = Grid((10, 20), (2 * WIDTH / 10, 2 * WIDTH / 20), (y, x))
+    operators = {method: NearOperator(raster, grid, method) for method in OF_PIXELS}
+    for number in (0.1, 1.0, 10.0, 100.0, 1000.0):
+        powers = {method: each.power(distance_at(number), WAVELENGTH) for method, each in operators.items()}
+        wanted = powers["reference"]
+        for method in FAST:
+            assert np.abs(powers[method] - wanted).max() < 7e-6 * wanted.mean(), (method, number)
+
+
 @pytest.mark.parametrize("method", [*FAST, "auto"])
 @pytest.mark.parametrize(
     "grid",

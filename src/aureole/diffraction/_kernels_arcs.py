@@ -1,10 +1,11 @@
 """Compiled loops of arcs and circles: their waves at a tile of columns, without branches.
 
-The Fresnel auxiliary functions are f = N_f / D and g = N_g / D, N_f, N_g and D of degrees 7, 5 and 8
+The Fresnel auxiliary functions are f = N_f / D and g = N_g / D, N_f, N_g and D of degrees 8, 6 and 9
 in w, fitted together by reweighted least squares in the error relative to |f + ig|, which is below
-3.4e-7 for all w >= 0. D and both numerators are scaled down, so that large w overflow nowhere. sin,
-and J1's parts (J1 = √(2 / πx) (P cos χ − Q sin χ), χ = x − 3π/4, from x = 3 on, and J1 / x below), are
-Chebyshev interpolations. `benchmarks/polygons.py --fit` computes all these numbers anew.
+6e-9 for all w >= 0, so that what is left is float32's. D and both numerators are scaled down, so that
+large w overflow nowhere. sin, and J1's parts (J1 = √(2 / πx) (P cos χ − Q sin χ), χ = x − 3π/4, from
+x = 3 on, and J1 / x below), are Chebyshev interpolations. `benchmarks/polygons.py --fit` computes all
+these numbers anew.
 """
 
 import math
@@ -31,17 +32,19 @@ def _f32(*values: float, scale: float = 1.0) -> tuple[np.float32, ...]:
 
 ONE, TWO, HALF, QUARTER = np.float32(1), np.float32(2), np.float32(0.5), np.float32(0.25)
 DENOMINATOR = _f32(
-    *(1, 3.0133054585, 4.9362908723, 5.4205315701, 4.4317897428),
-    *(2.7522743466, 1.3325127725, 0.4806746913, 0.1317936053),
-    scale=1e-20,
+    *(1, 3.070562629, 5.200416216, 5.97124172, 5.174315779),
+    *(3.485066284, 1.888466635, 0.8177232811, 0.2511247814, 0.08254323588),
+    scale=1e-33,
 )
 F_TOP = _f32(
-    *(0.4999998794, 1.5066664826, 1.6825508686, 1.3915916862),
-    *(0.8774656921, 0.4240307174, 0.1530073407, 0.0419511819),
-    scale=1e-20,
+    *(0.4999999967, 1.535281712, 1.814804502, 1.621194289, 1.101903566),
+    *(0.6010501475, 0.2602929993, 0.07993542665, 0.02627432837),
+    scale=1e-33,
 )
 G_TOP = _f32(
-    *(0.4999998423, 0.5066720746, 0.2398898223, 0.1429385986, 0.0479827628, 0.0133760716), scale=1e-20
+    *(0.4999999962, 0.5352820384, 0.3150220628, 0.197058424),
+    *(0.08218016449, 0.0254835751, 0.008362494768),
+    scale=1e-33,
 )
 SINE = _f32(6.283185307, -41.341702117, 81.605226174, -76.70427987, 42.009779216, -14.39396588)
 NEAR_DISC = 3.0
@@ -101,11 +104,12 @@ def _sixth(x: np.float32, C: tuple[np.float32, ...]) -> np.float32:
 def auxiliary(w: np.float32) -> tuple[np.float32, np.float32]:
     """Return the Fresnel auxiliary functions f and g of w >= 0."""
     D, F, G = DENOMINATOR, F_TOP, G_TOP
-    d = D[3] + w * (D[4] + w * (D[5] + w * (D[6] + w * (D[7] + w * D[8]))))
-    d = D[0] + w * (D[1] + w * (D[2] + w * d))
-    f = F[2] + w * (F[3] + w * (F[4] + w * (F[5] + w * (F[6] + w * F[7]))))
-    f = F[0] + w * (F[1] + w * f)
-    g = G[0] + w * (G[1] + w * (G[2] + w * (G[3] + w * (G[4] + w * G[5]))))
+    d = D[4] + w * (D[5] + w * (D[6] + w * (D[7] + w * (D[8] + w * D[9]))))
+    d = D[0] + w * (D[1] + w * (D[2] + w * (D[3] + w * d)))
+    f = F[3] + w * (F[4] + w * (F[5] + w * (F[6] + w * (F[7] + w * F[8]))))
+    f = F[0] + w * (F[1] + w * (F[2] + w * f))
+    g = G[2] + w * (G[3] + w * (G[4] + w * (G[5] + w * G[6])))
+    g = G[0] + w * (G[1] + w * g)
     inverse = ONE / d
     return f * inverse, g * inverse
 

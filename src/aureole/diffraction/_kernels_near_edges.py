@@ -30,6 +30,8 @@ End = tuple[Line, Line, tuple[np.float32, np.float32]]
 
 # Columns that the loops of a corner's surroundings take at a time; rows of the plane are whole blocks.
 BLOCK = 32
+# Corners whose waves are summed in float32 before they go into a sum in float64.
+AT_A_TIME = 8
 # Places as near as this to a corner are computed in float64.
 CLOSE = 1e-4
 PER_TURN, PER_HALF_TURN = np.float32(1 / (2 * math.pi)), np.float32(1 / math.pi)
@@ -102,15 +104,17 @@ def add_rows(
     """
     alone = np.ones(1)
     for row in numba.prange(len(y)):
-        line = np.zeros((2, len(x)), np.float32)
+        line, total = np.zeros((2, len(x)), np.float32), np.zeros((2, len(x)))
         work, amplitude = np.zeros(WORK, np.float32), np.empty((2, len(x)), np.float32)
         for k in range(chunk[0], chunk[1]):
             at = k - chunk[0]
             _edge(x, y[row], shape, k, alone, line.reshape(1, 2, -1))
             _corner(x, y[row], shape, k, 1.0, table, work, amplitude)
             _turn(amplitude, waves[0][at], (waves[1][at, 0, row], waves[1][at, 1, row]), line)
+            if at % AT_A_TIME == AT_A_TIME - 1 or k == chunk[1] - 1:
+                _move(line, total)
         for j in range(out.shape[1]):
-            out[row, j] += complex(line[0, j], line[1, j])
+            out[row, j] += complex(total[0, j], total[1, j])
 
 
 @numba.njit(cache=True, parallel=True)
@@ -187,6 +191,15 @@ def add_colours(
                     value = field_at(x[j], y[row], shape, scales.every[w], tables)
                     lines[w, 0, j], lines[w, 1, j] = value.real, value.imag
             _add_power(lines[w], weights[w], total[row])
+
+
+@numba.njit(cache=True)
+def _move(line: F32, total: F64) -> None:
+    """Add a line's float32 sums to those in float64, and begin them anew."""
+    for part in range(2):
+        for j in range(line.shape[1]):
+            total[part, j] += line[part, j]
+            line[part, j] = 0
 
 
 @numba.njit(cache=True)

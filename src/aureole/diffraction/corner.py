@@ -34,7 +34,7 @@ SERIES_FROM, TERMS, NODES = 6.0, 12, 64
 FARTHEST = 1e9
 # Nodes of the fit along s and along (h / s)², and its largest terms that are left out.
 FIT = (32, 16)
-LEFT_OUT = {"fine": 1e-10, "coarse": 3e-8}
+LEFT_OUT = {"fine": 1e-10, "coarse": 1e-8}
 
 
 def corner_integral(h: ArrayLike, s: ArrayLike) -> NDArray[np.complex128]:
@@ -129,7 +129,7 @@ def corner_table(kind: str = "fine") -> tuple[NDArray[np.float64], NDArray[np.in
     Parameters
     ----------
     kind : str
-        "fine", to about 1e-9; "coarse", to about 1e-7.
+        "fine", to about 1e-9; "coarse", to about 3e-8.
 
     Returns
     -------

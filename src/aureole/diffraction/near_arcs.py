@@ -98,11 +98,16 @@ class Edge:
         x, y = (corner - self.centre) / self.radius
         return np.array([-y, x])
 
-    def nodes(self, half_phase: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return nodes and steps that integrate along the edge a phase which turns by this at most."""
+    def panels(self, half_phase: float) -> tuple[int, int]:
+        """Return into how many panels the edge goes for that, and how many nodes each of them has."""
         panels = math.ceil(half_phase / PANEL_PHASE)
         # Two nodes more, for what is not phase.
-        nodes, weights = gauss(node_count(half_phase / panels, QUADRATURE_ERROR) + 2)
+        return panels, node_count(half_phase / panels, QUADRATURE_ERROR) + 2
+
+    def nodes(self, half_phase: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return nodes and steps that integrate along the edge a phase which turns by this at most."""
+        panels, count = self.panels(half_phase)
+        nodes, weights = gauss(count)
         where = ((np.arange(panels)[:, None] + (nodes + 1) / 2) / panels).ravel()
         share = np.tile(weights / (2 * panels), panels)
         if not self.radius:

@@ -31,6 +31,8 @@ FARTHEST = 1e15
 SMOOTH = 2.0
 NODES = 10
 
+# Products that are summed one after another in float32, before their sums are.
+AT_A_TIME = 128
 # Computed places of a tile along y, and half of those along x, at most.
 LARGEST = 512
 # Which parity (1 odd along x, 2 odd along y), and the two sides whose product it is, (R, 2 P) and
@@ -390,8 +392,14 @@ def write_tiles(
     def evaluate(tile: Tile) -> None:
         top, bottom, first, last = tile
         products = np.empty((4, 2 * (bottom - top), 2 * (last - first)), dtype=np.float32)
+        some = np.empty_like(products[0])
         for part, left, right in parts:
-            np.matmul(left[:, 2 * top : 2 * bottom].T, right[:, 2 * first : 2 * last], out=products[part])
+            for low in range(0, len(left), AT_A_TIME):
+                rows = slice(low, low + AT_A_TIME)
+                out_of = left[rows, 2 * top : 2 * bottom].T, right[rows, 2 * first : 2 * last]
+                np.matmul(*out_of, out=some if low else products[part])
+                if low:
+                    products[part] += some
         write(products, present, (top, first), middle, out)
 
     in_threads(evaluate, tiles)

@@ -5,11 +5,12 @@ Fresnel integral over a ring into
 
     D(x', y') = −i / 2 ∮ E(x − x') exp(iπ(y − y')² / 2) dy, E = C + iS,
 
-a product of two matrices, which takes less time where the phase turns little along an edge, far from the
-opening, and keeps its digits there. Outlines that are their own mirror image are computed on a part of the
-plane.
+a product of two matrices in float64, which takes less time where the phase turns little along an edge, far
+from the opening, and keeps its digits there. Outlines that are their own mirror image are computed on a part
+of the plane.
 """
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from aureole import aperture as apertures
 from aureole.diffraction.corner import corner_table
 from aureole.diffraction.fresnel import fresnel_integrals, taylor_table
+from aureole.diffraction.near_arcs import Edge
 from aureole.diffraction.near_pixels import unfolded
 from aureole.diffraction.rows import multiply
 from aureole.records import Grid, Outline
@@ -29,10 +31,10 @@ if TYPE_CHECKING:
 MOST_AT_ONCE = 512
 # Scaled lengths whose squares float32 holds; nearer planes show the shadow, to 1e-9.
 LARGEST = 1e17
-# Turns of the phase, at most, along a panel of twelve nodes: its error is below 1e-7.
-PANEL_TURNS = 3.0
+# No phase is less, so that one may divide by it.
+LEAST_PHASE = 1e-100
 # Up to so many nodes an edge the product takes less time.
-NODES_AN_EDGE = 100
+NODES_AN_EDGE = 45
 # Corners that are as near as this, of the size, are one; longer rings are not searched for symmetry.
 SAME_PLACE, MOST_COMPARED = 1e-12, 512
 # Wavelengths, and phases of theirs along the axes, that are held at a time.
@@ -54,7 +56,7 @@ def straight_near(rings: list[Outline], grid: Grid, scale: float) -> NDArray[np.
     Returns
     -------
     ndarray of complex64, shape (rows, columns)
-        Without unit; to about 2e-6.
+        Without unit; to about 5e-7.
     """
     straight = StraightRings(rings, grid)
     return unfolded(straight.part(scale), straight.middle, grid.shape)
@@ -111,13 +113,13 @@ class StraightRings:
         Returns
         -------
         ndarray of complex64, shape `shape`
-            Without unit; to about 2e-6.
+            Without unit; to about 5e-7.
         """
         scaled, y, x = self._scaled(scale)
         out = np.zeros(self.shape, dtype=np.complex64)
-        panel = panel_length(scaled, y, x)
-        if self._by_nodes(scaled, panel):
-            add_by_nodes(scaled, y, x, panel, out)
+        edges = _edges(scaled, y, x)
+        if _by_nodes(edges):
+            _add_by_nodes(edges, y, x, out)
         else:
             _add_by_corners(scaled, y, x, self._spacing * min(scale, LARGEST / self._size), out)
         return out
@@ -139,7 +141,7 @@ class StraightRings:
         from aureole.diffraction import _kernels_near_colour
 
         scaled, y, x = self._scaled(float(scales.max()))
-        if self._edges <= MOST_AT_ONCE and not self._by_nodes(scaled, panel_length(scaled, y, x)):
+        if self._edges <= MOST_AT_ONCE and not _by_nodes(_edges(scaled, y, x)):
             reference = min(float(scales.max()), LARGEST / self._size)
             every = np.minimum(scales, LARGEST / self._size) / reference
             _add_colours(scaled, y, x, self._spacing * reference, every, weights, total)
@@ -153,86 +155,63 @@ class StraightRings:
         y, x = (np.asarray(axis * scale, dtype=np.float64) for axis in self._axes)
         return [Outline(ring.vertices * scale, ring.bulges, ring.transmittance) for ring in self._rings], y, x
 
-    def _by_nodes(self, scaled: list[Outline], panel: float) -> bool:
-        """Say whether the product over nodes takes less time than corners."""
-        return _node_count(scaled, panel) <= NODES_AN_EDGE * self._edges
 
-
-def panel_length(rings: list[Outline], y: NDArray[np.float64], x: NDArray[np.float64]) -> float:
-    """Return how long panels of twelve nodes may be where the phase turns fastest.
-
-    Parameters
-    ----------
-    rings : list of Outline
-        In units of √(λz / 2).
-    y, x : ndarray
-        Of the rows and of the columns, in the same unit.
-
-    Returns
-    -------
-    float
-        In the same unit.
-    """
-    stray = max(float(np.max(np.abs(ring.bulges)) * np.max(np.ptp(ring.vertices, axis=0))) for ring in rings)
+def _edges(
+    rings: list[Outline], y: NDArray[np.float64], x: NDArray[np.float64]
+) -> list[tuple[Edge, float, float]]:
+    """Return edges, half the phase along each as the farthest place sees it, and their signed weights."""
     points = np.concatenate([ring.vertices for ring in rings])
-    low, high = points.min(axis=0) - 2 * stray, points.max(axis=0) + 2 * stray
-    farthest = np.hypot(*np.maximum([x[-1] - low[0], y[-1] - low[1]], [high[0] - x[0], high[1] - y[0]]))
-    # A phase of πρ² / 2 turns by ρ / 2 a unit of length.
-    return float(2 * PANEL_TURNS / farthest)
+    low, high = points.min(axis=0), points.max(axis=0)
+    farthest = float(
+        np.hypot(*np.maximum([x[-1] - low[0], y[-1] - low[1]], [high[0] - x[0], high[1] - y[0]]))
+    )
+    found = []
+    for ring in rings:
+        weight = ring.transmittance * apertures.orientation(ring)
+        for start, end in zip(ring.vertices, np.roll(ring.vertices, -1, axis=0), strict=True):
+            edge = Edge(start, end, 0.0, np.zeros(2), 0.0, 0.0)
+            if edge.length > 0:
+                # A phase of πρ² / 2 turns by πρ a unit of length.
+                found.append((edge, max(0.5 * math.pi * farthest * edge.length, LEAST_PHASE), weight))
+    return found
 
 
-def add_by_nodes(
-    rings: list[Outline],
+def _by_nodes(edges: list[tuple[Edge, float, float]]) -> bool:
+    """Say whether the product over nodes takes less time than corners."""
+    return sum(math.prod(edge.panels(phase)) for edge, phase, _ in edges) <= NODES_AN_EDGE * len(edges)
+
+
+def _add_by_nodes(
+    edges: list[tuple[Edge, float, float]],
     y: NDArray[np.float64],
     x: NDArray[np.float64],
-    panel: float,
     out: NDArray[np.complex64],
 ) -> None:
-    """Add the field of rings as a product of two matrices, node by node; arcs are served too.
-
-    Parameters
-    ----------
-    rings : list of Outline
-        In units of √(λz / 2).
-    y, x : ndarray
-        Of the rows (R,) and of the columns (C,), in the same unit.
-    panel : float
-        From `panel_length`.
-    out : ndarray of complex64, shape (R, C)
-        Added to.
-    """
+    """Add the field of edges as a product of two matrices, node by node, in float64."""
     from aureole.diffraction import _kernels_near_edges as kernels  # compiled code: loaded when first used
 
-    product = np.empty_like(out)
-    for ring in rings:
-        points, steps = apertures.boundary_nodes(ring, panel)
-        weight = -0.5j * ring.transmittance * apertures.orientation(ring)
-        # What E is at the ring's middle cancels along the boundary, and takes digits with it.
-        middle = _integrals(0.5 * (points[:, 0].min() + points[:, 0].max()) - x)
-        for first in range(0, len(points), MOST_AT_ONCE):
-            part = points[first : first + MOST_AT_ONCE]
-            right = (_integrals(part[:, 0, None] - x) - middle) * (
-                weight * steps[first : first + MOST_AT_ONCE, 1, None]
-            )
-            waves = np.empty((len(part), 2, len(y)), dtype=np.float32)
-            kernels.fill_waves(np.ascontiguousarray(part[:, 1]), y, waves)
-            left = (waves[:, 0] + 1j * waves[:, 1]).T
-            multiply([(left, right.astype(np.complex64), product)])
-            out += product
+    pieces = [(*edge.nodes(phase), weight) for edge, phase, weight in edges]
+    if not pieces:
+        return
+    points = np.concatenate([points for points, _, _ in pieces])
+    factors = np.concatenate([-0.5j * weight * steps[:, 1] for _, steps, weight in pieces])
+    # What E is at the middle cancels along the boundary, and takes digits with it.
+    middle = _integrals(0.5 * (points[:, 0].min() + points[:, 0].max()) - x)
+    total, product = np.zeros(out.shape, dtype=np.complex128), np.empty(out.shape, dtype=np.complex128)
+    for first in range(0, len(points), MOST_AT_ONCE):
+        part = points[first : first + MOST_AT_ONCE]
+        right = (_integrals(part[:, 0, None] - x) - middle) * factors[first : first + MOST_AT_ONCE, None]
+        waves = np.empty((len(part), 2, len(y)), dtype=np.float32)
+        kernels.fill_waves(np.ascontiguousarray(part[:, 1]), y, waves)
+        left = (waves[:, 0] + 1j * waves[:, 1].astype(np.float64)).T
+        multiply([(left, right, product)])
+        total += product
+    out += total.astype(np.complex64)
 
 
 def _integrals(t: NDArray[np.float64]) -> NDArray[np.complex128]:
     cosine, sine = fresnel_integrals(t)
     return np.asarray(cosine + 1j * sine)
-
-
-def _node_count(rings: list[Outline], panel: float) -> float:
-    """Return how many nodes panels of that length take."""
-    total = 0.0
-    for ring in rings:
-        lengths = np.hypot(*(np.roll(ring.vertices, -1, axis=0) - ring.vertices).T)
-        total += apertures.GAUSS_NODES * float(np.sum(np.ceil(lengths / panel)))
-    return total
 
 
 def _add_by_corners(
