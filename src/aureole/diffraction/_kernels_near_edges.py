@@ -105,16 +105,17 @@ def add_rows(
     alone = np.ones(1)
     for row in numba.prange(len(y)):
         line, total = np.zeros((2, len(x)), np.float32), np.zeros((2, len(x)))
+        windings = np.zeros((1, 2, len(x)), np.float32)
         work, amplitude = np.zeros(WORK, np.float32), np.empty((2, len(x)), np.float32)
         for k in range(chunk[0], chunk[1]):
             at = k - chunk[0]
-            _edge(x, y[row], shape, k, alone, line.reshape(1, 2, -1))
+            _edge(x, y[row], shape, k, alone, line.reshape(1, 2, -1), windings)
             _corner(x, y[row], shape, k, 1.0, table, work, amplitude)
             _turn(amplitude, waves[0][at], (waves[1][at, 0, row], waves[1][at, 1, row]), line)
             if at % AT_A_TIME == AT_A_TIME - 1 or k == chunk[1] - 1:
                 _move(line, total)
         for j in range(out.shape[1]):
-            out[row, j] += complex(total[0, j], total[1, j])
+            out[row, j] += complex(total[0, j] + windings[0, 0, j], total[1, j])
 
 
 @numba.njit(cache=True, parallel=True)
@@ -175,7 +176,7 @@ def add_colours(
         lines = np.zeros((count, 2, len(x)), np.float32)
         work, amplitudes = np.zeros(WORK, np.float32), np.empty((len(scales.stops), 2, len(x)), np.float32)
         for k in range(len(shape.after)):
-            _edge(x, y[row], shape, k, scales.every, lines)
+            _edge(x, y[row], shape, k, scales.every, lines, lines)
             for n in range(len(scales.stops)):
                 _corner(x, y[row], shape, k, scales.stops[n], table, work, amplitudes[n])
             for w in range(count):
@@ -279,7 +280,7 @@ def _negative(x: F64, origin: float, slope: float, rest: float, zero: bool) -> t
 
 
 @numba.njit(cache=True)
-def _edge(x: F64, y: float, shape: Polygons, k: int, scales: F64, lines: F32) -> None:
+def _edge(x: F64, y: float, shape: Polygons, k: int, scales: F64, lines: F32, windings: F32) -> None:
     """Add an edge's winding, and its wave where the foot of the perpendicular lies on it, at each scale."""
     end, anchor = shape.after[k], shape.anchors[k]
     along_x, along_y = shape.directions[k]
@@ -288,10 +289,10 @@ def _edge(x: F64, y: float, shape: Polygons, k: int, scales: F64, lines: F32) ->
     weight = np.float32(shape.weights[k])
     low, high = shape.vertices[k, 1] <= y, shape.vertices[end, 1] <= y
     if low and not high:
-        _add_to(lines, 0, lower, weight)
-        _add_to(lines, upper, len(x), weight)
+        _add_to(windings, 0, lower, weight)
+        _add_to(windings, upper, len(x), weight)
     elif high and not low:
-        _add_to(lines, lower, upper, -weight)
+        _add_to(windings, lower, upper, -weight)
     first, after = _negative(x, shape.vertices[k, 0], along_x, (shape.vertices[k, 1] - y) * along_y, False)
     begun, ended = _negative(
         x, shape.vertices[end, 0], along_x, (shape.vertices[end, 1] - y) * along_y, False
