@@ -1,5 +1,5 @@
 # make demo: the main job on the bundled scene.  make test: everything that is tested.
-# make figures: the pictures of docs/far-field.md.
+# make figures: the pictures of docs/.
 PYTHON ?= python3
 VENV   := .venv
 BIN    := $(VENV)/bin
@@ -11,6 +11,7 @@ demo: $(VENV)/.installed stale
 
 figures: $(VENV)/.installed stale
 	@AUREOLE=$(BIN)/aureole sh docs/figures.sh
+	@AUREOLE=$(BIN)/aureole PYTHON=$(BIN)/python sh docs/near_figures.sh
 
 test: $(VENV)/.tests-installed check stale
 	$(BIN)/python -m pytest

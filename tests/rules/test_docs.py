@@ -78,13 +78,15 @@ def test_pictures_are_small_and_each_is_shown():
         assert path.name == "demo.jpg" or path.stat().st_size < LARGEST_PICTURE, path.name
 
 
-def test_each_picture_of_the_far_field_is_made_by_the_script():
-    """The loop over methods writes three of them."""
-    script = (ROOT / "docs" / "figures.sh").read_text(encoding="utf-8")
+@pytest.mark.parametrize(("page", "script"), [("far-field", "figures"), ("near-field", "near_figures")])
+def test_each_picture_of_a_page_is_made_by_its_script(page, script):
+    """Loops write some of them: over methods, over Fresnel numbers, over housings."""
+    made = (ROOT / "docs" / f"{script}.sh").read_text(encoding="utf-8")
+    looped = r"spectrum-(scaled|batch|coherence)\.jpg|near-(1|5|30|200)\.jpg|texture-(2|0\.5)\.jpg"
     for name in re.findall(
-        r"\(pictures/([\w.-]+)\)", (ROOT / "docs" / "far-field.md").read_text(encoding="utf-8")
+        r"\(pictures/([\w.-]+)\)", (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
     ):
-        assert name in script or re.fullmatch(r"spectrum-(scaled|batch|coherence)\.jpg", name), name
+        assert name in made or re.fullmatch(looped, name), name
 
 
 def entries() -> list[dict[str, str]]:

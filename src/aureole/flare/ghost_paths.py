@@ -1,7 +1,7 @@
 """Ghosts: the ways through a lens with two reflections, and their names.
 
 A ray that is thrown back at surface j and again at an earlier surface i reaches the sensor as a ghost.
-The tile paper (Bodonyi et al. 2024, section 3.2) keeps the pairs on one side of the stop; the counts that
+The tile paper (Bodonyi and Kunkli 2023, section 3.2) keeps the pairs on one side of the stop; the counts that
 it prints leave out the last glass surface, too.
 """
 
