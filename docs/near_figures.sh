@@ -32,12 +32,15 @@ $PYTHON docs/differences.py levels "$TO/near-full.jpg" "$TO/near-eighth.jpg" "$T
 $PYTHON docs/differences.py colours "$TO/near-exact.jpg" "$TO/near-approximate.jpg" "$TO/near-scaled.jpg"
 
 # A strip of planes, and a section along the axis.
-$AUREOLE nearfield --blades 7 --width 2mm --sweep 0.01m:2m:12 --extent 4mm --size 200 -o "$TO/near-strip.jpg" --json
+$AUREOLE nearfield --blades 7 --width 2mm --sweep 0.01m:2m:8 --extent 4mm --size 200 -o "$TO/near-strip.jpg" --json
 $AUREOLE nearfield --aperture circle --width 2mm --sweep 0.1m:2m --extent 3mm --size 720x360 \
     --section "$TO/near-section.jpg" --json
 
 # Ringing textures: an iris, and the same cropped by its housing.
-for housing in "2,0,0" "0.5,0,1.1"; do
-    $AUREOLE nearfield --blades 7 --width 2mm --fresnel-number 30 --housing $housing --illuminant D65 --size 360 \
-        --texture -o "$TO/texture-${housing%%,*}.jpg" --json
-done
+texture() { # a picture: NAME, then flags
+    name=$1; shift
+    $AUREOLE nearfield --blades 7 --width 2mm --fresnel-number 30 --illuminant D65 --size 360 --texture "$@" \
+        -o "$TO/$name" --json
+}
+texture texture-iris.jpg
+texture texture-cats-eye.jpg --housing 0.5,0,1.1
