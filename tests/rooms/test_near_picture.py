@@ -276,6 +276,24 @@ def test_the_wavelengths_taken_are_enough(number):
     assert np.sqrt(np.mean((found - wanted) ** 2)) < 0.002
 
 
+@pytest.mark.parametrize("shape", [aperture.iris(7, WIDTH), aperture.iris(6, WIDTH, 0.5)])
+def test_the_approximation_sees_outlines_as_pixels_and_says_how_well(shape):
+    """What 256 pixels leave is a third of the approximation's own error, at most; circles stay exact."""
+    grid, distance = Grid((96, 96), (2 * WIDTH / 96,) * 2), distance_at(30.0)
+    quick, by_edges, exact = (
+        near_picture(shape, grid, distance, GREY, method, field_method=field).pixels
+        for method, field in (("approximate", "auto"), ("approximate", "polygons"), ("exact", "auto"))
+    )
+    left, own = (np.sqrt(np.mean((each - by_edges) ** 2)) for each in (quick, exact))
+    assert 0 < left < own / 3
+    for same in (aperture.circle(WIDTH), aperture.obstacle(aperture.iris(7, WIDTH))):
+        one, other = (
+            near_picture(same, grid, distance, GREY, "approximate", field_method=field).pixels
+            for field in ("auto", "polygons")
+        )
+        np.testing.assert_array_equal(one, other)
+
+
 @pytest.mark.parametrize("method", ["exact", "approximate"])
 def test_stages_end_with_the_picture(method):
     shape, grid = raster("circle"), PLANES["odd"]

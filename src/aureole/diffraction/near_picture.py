@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from aureole import aperture as apertures
 from aureole import light, refuse
 from aureole.diffraction.far import RASTER_SIZE, check_grid
 from aureole.diffraction.near import NearOperator, near_power
@@ -30,6 +31,8 @@ FEWEST, MOST = 30, 160
 TO_A_ZONE = 3.2
 # Wavelengths of "approximate": a step moves the pattern by about a sample at the rim.
 FEWEST_STRETCHED, MOST_STRETCHED = 12, 60
+# Pixels a side by which it sees outlines, at least: what that leaves is less than its own error.
+FEWEST_PIXELS = 256
 # A stretched pattern may reach beyond the plane by so many times its samples.
 MOST_BEYOND = 8
 # The observer's range.
@@ -72,7 +75,9 @@ def near_picture(
     finest : str
         As for `near_field`.
     field_method : str
-        The near field's method, as for `near_field`.
+        The near field's method, as for `near_field`; but "auto" of "approximate" sees outlines that are no
+        circles as pixels, as wide as the plane's samples are apart and at least 256 a side, up to
+        `raster_size`. "polygons" takes them exactly.
     reference_wavelength : float, optional
         λ_r of "approximate" in metres. None is the geometric mean of 400 and 700 nm, 529 nm, or of the
         light's own ends within them; a single line's is itself.
@@ -187,11 +192,26 @@ def near_picture_stages(
     rule = _Stretch(wavelength, strength, spectrum)
     wide = rule.plane(grid)
     yield Stage(0.0, f"near field at {wavelength * 1e9:.0f} nm")
+    if field_method == "auto" and _is_worth_pixels(aperture):
+        field_method, raster_size = "rows", _pixels(aperture, grid, raster_size)
     power = near_power(aperture, wide, distance, wavelength, field_method, raster_size, finest)
     yield Stage(0.7, "near field's colours")
     pattern = Pattern(power.astype(np.float32, copy=False), wide, wavelength, 0.0)
     count = rule.samples(grid) if samples is None else samples
     yield Stage(1.0, "near field", _stretched(pattern, spectrum, rule, grid, count))
+
+
+def _is_worth_pixels(aperture: Aperture) -> bool:
+    """Say whether an aperture has outlines within its width that are not circles, which are quick."""
+    if aperture.mask is not None or all(apertures.as_circle(ring) for ring in aperture.outlines):
+        return False
+    return apertures.bounding_radius(aperture) <= math.sqrt(0.5) * aperture.width * (1 + 1e-6)
+
+
+def _pixels(aperture: Aperture, grid: Grid, most: int) -> int:
+    """Return how many pixels a side are as wide as the plane's samples are apart."""
+    wanted = math.ceil(min(aperture.width / min(grid.spacing), float(most)))
+    return min(max(FEWEST_PIXELS, wanted), most)
 
 
 def wavelengths_needed(aperture: Aperture, grid: Grid, distance: float, wavelength: float) -> int:
