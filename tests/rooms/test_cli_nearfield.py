@@ -192,8 +192,15 @@ def test_a_sweep_goes_on_where_it_was_left(tmp_path, capsys):
     assert (tmp_path / "ring.01.exr").stat().st_mtime_ns > before["ring.01.exr"]
 
 
+# Tests that run in the background of a shell hand on that SIGINT is ignored.
+HEEDS_INTERRUPTS = (
+    "import runpy, signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "runpy.run_module('aureole.cli', run_name='__main__')"
+)
+
+
 def test_an_interrupted_sweep_leaves_whole_planes(tmp_path):
-    words = [sys.executable, "-m", "aureole.cli", "nearfield", *SLIT, "--size", "256"]
+    words = [sys.executable, "-c", HEEDS_INTERRUPTS, "nearfield", *SLIT, "--size", "256"]
     words += ["--sweep", "0.1m:2m:900", "-o", "r.####.png"]
     with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as child:
         while child.poll() is None and len(names(tmp_path)) < 3:
