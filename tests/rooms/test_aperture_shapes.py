@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -233,3 +234,19 @@ def test_refusals(make, message):
 def test_edges_that_cross_are_refused(vertices):
     with refused("'vertices' must go round an inside without crossing their own edge."):
         aperture.polygon(vertices)
+
+
+def test_mirror_images_are_seen():
+    """Seven blades with a corner at +x mirror in y alone; six in both; a bent edge counts."""
+
+    def mirrored(shape):
+        return [aperture.is_mirrored(shape.outlines[0], axis) for axis in (0, 1)]
+
+    for curvature in (0.0, 0.5):
+        assert mirrored(aperture.iris(7, 2e-3, curvature)) == [False, True]
+        assert mirrored(aperture.iris(6, 2e-3, curvature)) == [True, True]
+        assert mirrored(aperture.iris(7, 2e-3, curvature, rotation=0.1)) == [False, False]
+    assert mirrored(aperture.whirl(2e-3)) == [False, False]
+    square = aperture.rectangle(1.0, 1.0).outlines[0]
+    bent = replace(square, bulges=np.array([0.0, 0.3, 0.0, 0.0]))
+    assert [aperture.is_mirrored(bent, axis) for axis in (0, 1)] == [False, True]

@@ -26,6 +26,7 @@ from aureole.aperture.geometry import (
     central_moments,
     chords,
     energy,
+    is_mirrored,
     orientation,
     ring_moments,
 )
@@ -65,6 +66,7 @@ __all__ = [
     "half_plane",
     "intersection",
     "iris",
+    "is_mirrored",
     "moved",
     "obstacle",
     "obstruction",

@@ -17,6 +17,8 @@ from aureole.records import Aperture, Outline
 # Chords that stand for arcs where shapes are cut stray by this part of the aperture's width.
 CUT_TOLERANCE = 1e-7
 GAUSS_NODES = 12
+# Corners that are as near as this, of the size, are one; longer rings are not searched for symmetry.
+SAME_PLACE, MOST_COMPARED = 1e-12, 512
 
 
 @dataclass(frozen=True)
@@ -205,6 +207,35 @@ def central_moments(outline: Outline) -> tuple[float, NDArray[np.float64], NDArr
     area_, first, second = ring_moments(Outline(outline.vertices - corner, outline.bulges))
     offset = first / area_
     return area_, corner + offset, second - area_ * np.outer(offset, offset)
+
+
+def is_mirrored(outline: Outline, axis: int) -> bool:
+    """Say whether a ring is its own mirror image where one coordinate changes its sign.
+
+    Parameters
+    ----------
+    outline : Outline
+        Any ring; one of more than 512 corners is not searched.
+    axis : int
+        0 where x changes its sign, 1 where y does.
+
+    Returns
+    -------
+    bool
+        To 1e-12 of its size.
+    """
+    count = len(outline.vertices)
+    if count > MOST_COMPARED:
+        return False
+    signs = (-1.0 if axis == 0 else 1.0, -1.0 if axis == 1 else 1.0)
+    distances = np.abs((outline.vertices * signs)[:, None] - outline.vertices).max(axis=2)
+    there = distances.argmin(axis=1)
+    if distances.min(axis=1).max() > SAME_PLACE * np.max(np.abs(outline.vertices)):
+        return False
+    # The image runs the other way round: edge j lies where the edge before its start's image was.
+    before = np.roll(there, -1)
+    bent_alike = np.allclose(outline.bulges[before], outline.bulges, rtol=0, atol=SAME_PLACE)
+    return bool((before == (there - 1) % count).all()) and bent_alike
 
 
 def orientation(outline: Outline) -> float:

@@ -192,7 +192,7 @@ def write_power(
 
     Parameters
     ----------
-    products : ndarray of float32, shape (4, 3, H, W)
+    products : ndarray of float32, shape (4, 2 H, 2 W)
         As for `write_field`.
     present : ndarray of bool, shape (4,)
         As for `write_field`.

@@ -35,8 +35,6 @@ LARGEST = 1e17
 LEAST_PHASE = 1e-100
 # Up to so many nodes an edge the product takes less time.
 NODES_AN_EDGE = 45
-# Corners that are as near as this, of the size, are one; longer rings are not searched for symmetry.
-SAME_PLACE, MOST_COMPARED = 1e-12, 512
 # Wavelengths, and phases of theirs along the axes, that are held at a time.
 MOST_WAVELENGTHS, PHASES = 40, 1 << 22
 
@@ -84,7 +82,7 @@ class StraightRings:
         self._rings, self._spacing = rings, grid.spacing[1]
         axes, middle = [], []
         for k, (axis, count, spacing) in enumerate(zip(grid.axes(), grid.shape, grid.spacing, strict=True)):
-            halved = grid.centre[k] == 0 and all(_is_mirrored(ring, 1 - k) for ring in rings)
+            halved = grid.centre[k] == 0 and all(apertures.is_mirrored(ring, 1 - k) for ring in rings)
             axes.append(np.arange(count // 2 + 1) * spacing if halved else axis)
             middle.append(count // 2 if halved else -1)
         self._axes = axes
@@ -317,17 +315,3 @@ def _polygons(rings: list[Outline], middle: tuple[float, float]) -> "Polygons":
     anchors = np.where(away[ends] < away, ends, np.arange(len(ends)))
     directions = edges / np.hypot(*edges.T)[:, None]
     return Polygons(vertices, ends, np.argsort(ends), directions, anchors, np.concatenate(weights))
-
-
-def _is_mirrored(ring: Outline, axis: int) -> bool:
-    """Say whether a straight-edged ring is its own mirror image where one coordinate changes its sign."""
-    count = len(ring.vertices)
-    if count > MOST_COMPARED:
-        return False
-    signs = (-1.0 if axis == 0 else 1.0, -1.0 if axis == 1 else 1.0)
-    distances = np.abs((ring.vertices * signs)[:, None] - ring.vertices).max(axis=2)
-    there = distances.argmin(axis=1)
-    if distances.min(axis=1).max() > SAME_PLACE * np.max(np.abs(ring.vertices)):
-        return False
-    # The image runs the other way round.
-    return bool(np.all(np.roll(there, -1) == (there - 1) % count))

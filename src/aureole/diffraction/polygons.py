@@ -37,8 +37,6 @@ CORE_CYCLES, THIN_CYCLES = 1.5, 0.05
 QUADRATURE_ERROR = 1e-10
 # Rows of the core that one matrix product takes.
 CORE_ROWS = 256
-# Corners that are as near as this, of the width, are one; longer rings are not searched for symmetry.
-SAME_PLACE, MOST_COMPARED = 1e-12, 512
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,38 +147,19 @@ def polygons_power(aperture: Aperture, grid: Grid) -> NDArray[np.float32]:
 def _shape(aperture: Aperture) -> _Shape:
     """Prepare the outlines of an aperture, which nobody writes into."""
     unit = aperture.width
-    rings, discs = [], []
+    rings, outlines, discs = [], [], []
     for ring in aperture.outlines:
         disc = apertures.as_circle(ring)
         if disc is None:
+            outlines.append(ring)
             rings.append(_ring(Outline(ring.vertices / unit, ring.bulges, ring.transmittance)))
         else:
             discs.append([disc.x / unit, disc.y / unit, disc.radius / unit, ring.transmittance])
     circles = np.array(discs).reshape(-1, 4)
     for axis, mirror in ((0, 1), (1, -1)):
-        if (circles[:, axis] == 0).all() and all(_is_symmetric(ring, axis) for ring in rings):
+        if (circles[:, axis] == 0).all() and all(apertures.is_mirrored(ring, axis) for ring in outlines):
             return _Shape(rings, circles, mirror)
     return _Shape(rings, circles, 0)
-
-
-def _is_symmetric(ring: _Ring, axis: int) -> bool:
-    """Say whether a ring is its own mirror image where one coordinate changes its sign."""
-    count = len(ring.vertices)
-    if count > MOST_COMPARED:
-        return False
-    image = ring.vertices * (-1.0 if axis == 0 else 1.0, -1.0 if axis == 1 else 1.0)
-    distances = np.abs(image[:, None] - ring.vertices).max(axis=2)
-    there = distances.argmin(axis=1)
-    if distances.min(axis=1).max() > SAME_PLACE:
-        return False
-    # The image runs the other way round: edge j lies where the edge before its start's image was.
-    before = np.roll(there, -1)
-    radii, sweeps = ring.arcs[:, 0], ring.arcs[:, 4]
-    return (
-        bool((before == (there - 1) % count).all())
-        and np.allclose(radii[before], radii, rtol=0, atol=SAME_PLACE)
-        and np.allclose(sweeps[before], sweeps, rtol=0, atol=SAME_PLACE)
-    )
 
 
 def _ring(ring: Outline) -> _Ring:
