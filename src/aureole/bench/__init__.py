@@ -10,7 +10,13 @@ spectral            Table 3, the spectral sum
 quality             Figures 8 and 9, quadtree levels against brute force
 progressive         Figure 10, a shadow that moves
 stages              Figure 11, where the time of a frame goes
-peers             the bench of other libraries on the same work:
+near_field        the bench of the near field, and which of these belongs to it:
+near_table          the quad paper's Table 4
+near_levels         its Figure 6, coarser quadtrees
+near_peers          other libraries on the same plane
+near_growth         one mask on finer and finer planes
+near_colour         many wavelengths
+peers             the bench of other libraries on the same far-field work:
 zooms               far fields of masks, finer than the transform's own spacing
 starbursts          a whole starburst in colour
 peer_ways           which peers are installed, and their ways

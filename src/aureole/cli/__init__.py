@@ -5,6 +5,7 @@ app       the Typer application with its commands
 runs      running a job and writing its files
 nearfield the command `aureole nearfield`
 near_runs running near-field jobs and writing their files
+lens      the commands `aureole lens`
 bench     the commands `aureole bench`
 options   flags that several commands share
 pupil_options  flags of vanes, dirt and wavefronts

@@ -2,19 +2,20 @@
 
 In: records of plain values, pictures. Out: `Stage`s, the last of which holds the job's result.
 
-optics      descriptions of apertures and cameras as people give them, made into records
-glare       the main job: a picture with the glare that a camera adds
-starburst   a point spread function, or a kernel for another program
-aperture    an aperture drawn, with its quadtree's counts
-near_field  the light on a plane behind an opening or an obstacle
-near_sweep  the same at many distances: planes, a strip of them, a section along the axis
+optics        descriptions of apertures and cameras as people give them, made into records
+glare         the main job: a picture with the glare that a camera adds
+starburst     a point spread function, or a kernel for another program
+aperture      an aperture drawn, with its quadtree's counts
+near_field    the light on a plane behind an opening or an obstacle
+near_sweep    the same at many distances: planes, a strip of them, a section along the axis
 near_texture  a ringing texture for the ghosts of a lens
-measures    a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
+measures      a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
 lens          a lens as numbers, and what looks wrong in it
 lens_drawing  a lens drawn, with rays and ghosts
-page        one page about a point spread function
-drawing     an aperture's quads drawn
-demo        the main job on the bundled scene
+page          one page about a point spread function
+drawing       an aperture's quads drawn
+demo          the main job on the bundled scene
+run           run(job): the one door to all of them
 """
 
 from aureole.jobs.aperture import ApertureJob, ApertureResult
