@@ -101,23 +101,33 @@ def test_everything_a_file_may_hold_comes_back(file_of):
         flare.at_state(lens, "fer")
 
 
-def test_states_of_a_zoom_are_its_shipped_positions(file_of):
-    """Canon's lens at 70 mm, moved to the distances of its file at 135 mm, is that file's lens."""
-    near, far = flare.load("canon_tele_zoom_70mm"), flare.load("canon_tele_zoom_135mm")
-    moved = {
-        k + 1: 1e3 * b.thickness
-        for k, (a, b) in enumerate(zip(near.surfaces, far.surfaces, strict=True))
-        if a.thickness != b.thickness
-    }
-    table = ", ".join(f"{k} = {t:.12g}" for k, t in moved.items())
-    text = (
-        flare.to_toml(near)
-        + f'[[states]]\nname = "135mm"\nfocal_length_mm = 135\nthicknesses_mm = {{ {table} }}\n'
-    )
-    found = flare.load(file_of(text), "135mm")
-    assert 2 < len(moved) < 8
-    assert [s.thickness for s in found.surfaces] == [s.thickness for s in far.surfaces]
-    assert paraxial.focal_length(found) == pytest.approx(paraxial.focal_length(far), rel=1e-12)
+@pytest.mark.parametrize(
+    ("zoom", "state", "name"),
+    [
+        ("canon_tele_zoom_70mm", "135mm", "canon_tele_zoom_135mm"),
+        ("canon_tele_zoom_70mm", "200mm", "canon_tele_zoom_200mm"),
+        ("nikon_tele_zoom_80mm", "140mm", "nikon_tele_zoom_140mm_solved"),
+        ("nikon_tele_zoom_80mm", "200mm", "nikon_tele_zoom_200mm"),
+        ("itoh_wide_zoom_100mm", "123mm", "itoh_wide_zoom_123mm_solved"),
+        ("itoh_wide_zoom_100mm", "146mm", "itoh_wide_zoom_146mm"),
+    ],
+)
+def test_a_zoom_moved_is_the_lens_that_is_shipped_on_its_own(zoom, state, name):
+    found, alone = flare.load(zoom, state), flare.load(name)
+    assert found.surfaces == alone.surfaces != flare.load(zoom).surfaces
+    assert (found.focal_length, found.f_number) == (alone.focal_length, alone.f_number)
+    assert found.states == ()
+    assert found.title.endswith(f", moved to {state}")
+
+
+def test_every_position_of_every_shipped_zoom_is_in_focus():
+    zooms = [flare.load(name) for name in presets.names("lenses")]
+    states = [(lens, state.name) for lens in zooms for state in lens.states]
+    assert len(states) == 6
+    for lens, state in states:
+        moved = flare.at_state(lens, state)
+        assert paraxial.focal_length(moved) == pytest.approx(moved.focal_length, rel=0.01)
+        assert paraxial.back_focus(moved) == pytest.approx(moved.sensor_distance, abs=1e-6)
 
 
 def test_layers_are_met_from_the_side_of_the_lower_index(file_of):

@@ -140,7 +140,9 @@ def _pair(text: str) -> tuple[int, ...]:
 
 def _for_people(report: dict[str, Any]) -> dict[str, Any]:
     """Return a report with each ghost count and finding on a line of its own."""
-    flat = {key: value for key, value in report.items() if key not in ("ghosts", "findings")}
+    flat = {key: value for key, value in report.items() if key not in ("ghosts", "findings", "states")}
+    flat |= {"states": ", ".join(report["states"])}
+    flat = {key: value for key, value in flat.items() if value != ""}
     flat |= {f"ghosts, {which}": count for which, count in report["ghosts"].items()}
     texts = [found["text"] for found in report["findings"]]
     return flat | ({f"finding {k}": text for k, text in enumerate(texts, 1)} or {"findings": "none"})

@@ -45,7 +45,7 @@ def to_toml(lens: Lens) -> str:
         What `aureole.flare.load` reads.
     """
     words = {"title": lens.title, "patent": lens.patent, "kind": lens.kind, "status": lens.status}
-    words |= {"source": lens.source, "notes": lens.notes}
+    words |= {"source": lens.source, "notes": lens.notes, "reason": lens.reason}
     lines = [f"{key} = {_text(word)}" for key, word in words.items() if word or key in ("title", "source")]
     lines.append(f"focal_length_mm = {_mm(lens.focal_length)}")
     lines.append(f"f_number = {_number(lens.f_number)}")

@@ -100,6 +100,8 @@ class Lens:
         From the light to the sensor, one of them the stop.
     patent, kind, status, source, notes : str
         Where the numbers come from, and what else is known.
+    reason : str
+        Why the surfaces give another focal length than the stated one, where it is over 1 % off.
     states : tuple of ZoomState
         Further positions of a zoom.
     """
@@ -115,6 +117,7 @@ class Lens:
     status: str = "own"
     source: str = ""
     notes: str = ""
+    reason: str = ""
     states: tuple[ZoomState, ...] = ()
 
     @property
@@ -170,7 +173,8 @@ def at_state(lens: Lens, state: str) -> Lens:
     Returns
     -------
     Lens
-        With that position's distances, focal length and f-number, and no further positions.
+        With that position's distances, focal length and f-number, which its title says, and no further
+        positions.
 
     Raises
     ------
@@ -186,7 +190,8 @@ def at_state(lens: Lens, state: str) -> Lens:
         dataclasses.replace(surface, thickness=moved.get(k, surface.thickness))
         for k, surface in enumerate(lens.surfaces)
     )
-    stated = dataclasses.replace(lens, focal_length=found.focal_length, f_number=found.f_number)
+    title = f"{lens.title}, moved to {state}"
+    stated = dataclasses.replace(lens, title=title, focal_length=found.focal_length, f_number=found.f_number)
     return dataclasses.replace(stated, surfaces=surfaces, states=())
 
 
@@ -301,6 +306,7 @@ def from_preset(preset: presets.LensPreset, name: str) -> Lens:
         status=preset.status,
         source=preset.source,
         notes=preset.notes,
+        reason=preset.reason,
         states=tuple(_state(name, state, preset) for state in preset.states),
     )
 

@@ -41,6 +41,7 @@ def lens_report(lens: Lens) -> dict[str, Any]:
         "status": lens.status,
         "focal_length_m": _number(paraxial.focal_length(lens)),
         "stated_focal_length_m": lens.focal_length,
+        "reason": lens.reason,
         "f_number": _number(paraxial.f_number(lens)),
         "stated_f_number": lens.f_number,
         "back_focus_m": _number(paraxial.back_focus(lens)),
@@ -58,6 +59,7 @@ def lens_report(lens: Lens) -> dict[str, Any]:
         report["focal_length_across_m"] = _number(paraxial.focal_length(lens, "x"))
         report["back_focus_across_m"] = _number(paraxial.back_focus(lens, "x"))
         report["squeeze"] = _number(paraxial.focal_length(lens, "x") / paraxial.focal_length(lens, "y"))
+    report["states"] = [state.name for state in lens.states]
     report["ghosts"] = flare.counts(lens)
     report["findings"] = [vars(found) for found in lint.findings(lens)]
     return report

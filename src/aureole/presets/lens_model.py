@@ -151,6 +151,8 @@ class LensPreset(_Strict):
         the patent) or "own".
     patent, kind, notes : str
         What else is known.
+    reason : str
+        Why the surfaces give another focal length than the stated one, where it is over 1 % off.
     focal_length_mm, f_number : float
         As the source states them.
     sensor_mm : list of float
@@ -169,6 +171,7 @@ class LensPreset(_Strict):
     patent: str = ""
     kind: str = ""
     notes: str = ""
+    reason: str = ""
     focal_length_mm: Size
     f_number: Size
     sensor_mm: Annotated[list[Size], Field(min_length=2, max_length=2)] = [36.0, 24.0]
