@@ -13,6 +13,7 @@ paraxial       matrices of the image and of ghosts; focal length, focus, f-numbe
 lint           what looks wrong in a prescription
 importers      lens files of other programs; import_*: one format a file, `import_draft` makes a lens of it
 rays           real rays, one loop for every way: the truth for faster tracers
+filters        over pictures of ghosts: a blur along the dispersion, a median
 """
 
 from aureole.flare.coating import Coating, Layer, quarter_wave, reflectance
