@@ -14,6 +14,8 @@ lint           what looks wrong in a prescription
 importers      lens files of other programs; import_*: one format a file, `import_draft` makes a lens of it
 rays           real rays, one loop for every way: the truth for faster tracers
 filters        over pictures of ghosts: a blur along the dispersion, a median
+spectral       which wavelengths are traced, and the bands of colour drawn between them
+lights         lights by angle, by place on the picture, of a size, of a colour, found in a picture
 """
 
 from aureole.flare.coating import Coating, Layer, quarter_wave, reflectance
@@ -21,9 +23,11 @@ from aureole.flare.ghost_paths import GhostPath, counts, ghosts, path_of
 from aureole.flare.glass import AIR, Glass, index, named
 from aureole.flare.importers import import_lens, open_lens
 from aureole.flare.lens_file import to_toml, write
+from aureole.flare.lights import colour_spectrum, find_lights, light_at, light_on_picture, place_on_picture
 from aureole.flare.lint import Finding, findings
 from aureole.flare.prescription import Lens, Surface, ZoomState, at_state, load, with_coating
 from aureole.flare.rays import Traced, power, trace_reference
+from aureole.flare.spectral import sample_spectrum
 
 __all__ = [
     "AIR",
@@ -37,18 +41,24 @@ __all__ = [
     "Traced",
     "ZoomState",
     "at_state",
+    "colour_spectrum",
     "counts",
+    "find_lights",
     "findings",
     "ghosts",
     "import_lens",
     "index",
+    "light_at",
+    "light_on_picture",
     "load",
     "named",
     "open_lens",
     "path_of",
+    "place_on_picture",
     "power",
     "quarter_wave",
     "reflectance",
+    "sample_spectrum",
     "to_toml",
     "trace_reference",
     "with_coating",
