@@ -110,5 +110,5 @@ def test_refusals(call, message):
         call(picture_of())
     broken = picture_of()
     broken.pixels[3, 3] = np.nan
-    with pytest.raises(refuse.Refusal, match="^'picture' must hold finite numbers"):
+    with pytest.raises(refuse.Refusal, match=r"^'picture' must hold finite numbers"):
         filters.median(broken)

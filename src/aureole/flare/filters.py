@@ -1,8 +1,8 @@
 """Filters over pictures of ghosts: what coarse ray grids and few wavelengths leave, smoothed.
 
-The tile paper (Bodonyi and Kunkli 2023, section 5.3) names both as remedies for its merged quads: a blur along
-the dispersion, as Hullin et al. (2011) suggest, and a median. Finer grids and more wavelengths are right where
-these only look right.
+The tile paper (Bodonyi and Kunkli 2023, section 5.3) names both as remedies for its merged quads: a blur
+along the dispersion, as Hullin et al. (2011) suggest, and a median. Finer grids and more wavelengths are
+right where these only look right.
 """
 
 import dataclasses
