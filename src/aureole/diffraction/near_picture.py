@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from aureole import aperture as apertures
 from aureole import light, refuse
 from aureole.diffraction.far import RASTER_SIZE, check_grid
-from aureole.diffraction.near import NearOperator, near_power
+from aureole.diffraction.near import NearOperator
 from aureole.diffraction.near_pixels import unfolded
 from aureole.diffraction.near_sums import sum_for
 from aureole.records import Aperture, Grid, Pattern, Picture, Spectrum, Stage
@@ -29,8 +29,8 @@ LOW, HIGH = 400e-9, 700e-9
 # Wavelengths of "exact" where none are asked for: so many to each √(λz) of the longest way from an edge.
 FEWEST, MOST = 30, 160
 TO_A_ZONE = 3.2
-# Wavelengths of "approximate": a step moves the pattern by about a sample at the rim.
-FEWEST_STRETCHED, MOST_STRETCHED = 12, 60
+# Wavelengths of "approximate": a step moves the pattern by about a sample at the rim. Five go together.
+FEWEST_STRETCHED, MOST_STRETCHED, TOGETHER = 10, 60, 5
 # Pixels a side by which it sees outlines, at least: what that leaves is less than its own error.
 FEWEST_PIXELS = 256
 # A stretched pattern may reach beyond the plane by so many times its samples.
@@ -194,11 +194,13 @@ def near_picture_stages(
     yield Stage(0.0, f"near field at {wavelength * 1e9:.0f} nm")
     if field_method == "auto" and _is_worth_pixels(aperture):
         field_method, raster_size = "rows", _pixels(aperture, grid, raster_size)
-    power = near_power(aperture, wide, distance, wavelength, field_method, raster_size, finest)
+    operator = NearOperator(aperture, wide, field_method, raster_size, finest)
+    power = operator.power(distance, wavelength)
     yield Stage(0.7, "near field's colours")
     pattern = Pattern(power.astype(np.float32, copy=False), wide, wavelength, 0.0)
     count = rule.samples(grid) if samples is None else samples
-    yield Stage(1.0, "near field", _stretched(pattern, spectrum, rule, grid, count))
+    mirrored = _mirrored(operator, pattern.intensity)
+    yield Stage(1.0, "near field", _stretched(pattern, spectrum, rule, grid, count, mirrored))
 
 
 def _is_worth_pixels(aperture: Aperture) -> bool:
@@ -252,11 +254,10 @@ def _exact(
     yield Stage(1.0, "near field", light.in_white_of(spectrum, total.pixels()))
 
 
-def _stretched(pattern: Pattern, spectrum: Spectrum, rule: "_Stretch", grid: Grid, samples: int) -> Picture:
-    """Look a pattern up, on a part of the plane where it is its own mirror image."""
-    mirrored = [
-        centre == 0 and _is_mirrored(pattern.intensity, axis) for axis, centre in enumerate(grid.centre)
-    ]
+def _stretched(
+    pattern: Pattern, spectrum: Spectrum, rule: "_Stretch", grid: Grid, samples: int, mirrored: list[bool]
+) -> Picture:
+    """Look a pattern up, on a part of the plane along the axes where it is its own mirror image."""
     middle = tuple(n // 2 if alike else -1 for n, alike in zip(grid.shape, mirrored, strict=True))
     shape = tuple(n // 2 + 1 if alike else n for n, alike in zip(grid.shape, mirrored, strict=True))
     # A part that starts on the axis has its middle so many samples beyond.
@@ -267,6 +268,16 @@ def _stretched(pattern: Pattern, spectrum: Spectrum, rule: "_Stretch", grid: Gri
     part = Grid((shape[0], shape[1]), grid.spacing, (centre[0], centre[1]))
     picture = light.stretched_sum(pattern, spectrum, rule.scales, part, samples)
     return replace(picture, pixels=unfolded(picture.pixels, (middle[0], middle[1]), grid.shape))
+
+
+def _mirrored(operator: NearOperator, power: NDArray[np.float32]) -> list[bool]:
+    """Say along which axes, y and x, a plane is its own mirror image."""
+    factors = operator.prepared.get("factors")
+    return [
+        centre == 0
+        and (_is_mirrored(power, axis) if factors is None else not any(each.odd[axis] for each in factors))
+        for axis, centre in enumerate(operator.grid.centre)
+    ]
 
 
 def _is_mirrored(power: NDArray[np.float32], axis: int) -> bool:
@@ -311,7 +322,8 @@ class _Stretch:
         reach = max(
             float(np.abs(axis).max()) / step for axis, step in zip(grid.axes(), grid.spacing, strict=True)
         )
-        return min(max(FEWEST_STRETCHED, math.ceil(reach * (self._high - self._low))), MOST_STRETCHED)
+        wanted = TOGETHER * round(reach * (self._high - self._low) / TOGETHER)
+        return min(max(FEWEST_STRETCHED, wanted), MOST_STRETCHED)
 
     def _beyond(self, axis: NDArray[np.float64], step: float) -> int:
         """Return by how many samples the look-ups leave an axis, and a neighbour to interpolate with."""

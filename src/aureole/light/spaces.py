@@ -11,8 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aureole import refuse
+from aureole.light import _kernels_spaces
 from aureole.records import Picture
 
+# So few numbers are not worth a compiled loop.
+FEW = 30_000
 WHITE_KEY = "white_xyz"  # metadata of a picture in XYZ: the X, Y, Z that its white has
 
 # Lam 1985; as printed in ICC.1:2022, Annex E.
@@ -220,9 +223,13 @@ def convert(picture: Picture, space: str) -> Picture:
 
 
 def _apply(change: NDArray[np.floating], colours: NDArray[np.floating]) -> NDArray[np.floating]:
-    # One small product a picture's row: the library would split one large product over threads,
-    # which takes many times longer whenever another process wants a core.
-    return np.asarray(colours @ change.T.astype(colours.dtype))
+    factors = change.astype(colours.dtype)
+    if colours.size < FEW:
+        return np.asarray(colours @ factors.T)
+    flat = np.ascontiguousarray(colours).reshape(-1, 3)
+    out = np.empty_like(flat)
+    _kernels_spaces.apply(factors, flat, out)
+    return out.reshape(colours.shape)
 
 
 def _between(start: Space, end: Space) -> NDArray[np.float64]:
