@@ -3,6 +3,7 @@
 - `files`: what a file is, from its header; in: a path, out: a `Header`, or a refusal
 - `reading`: in: a path, out: a linear `Picture`
 - `writing`: in: a `Picture`, out: a file, and notes on what it could not hold
+- `layers`: in: a `Picture` and layers that arrive one by one, out: one EXR with channels for each
 - `whole_files`: in: a path, out: a temporary to write, which is renamed to the path once it is whole
 - `metadata`: the records of what a file says, and the notes for the person who gave it
 - `channels`: in: channel names, out: which of them are the picture
@@ -19,6 +20,7 @@
 from aureole.picture.convolution import Convolver, convolve
 from aureole.picture.display import auto_exposure, false_colour, log_scale, side_by_side, to_display
 from aureole.picture.files import SUFFIXES, allowed_memory, describe, format_of, refuse_memory
+from aureole.picture.layers import Layers, attributes_of, write_layers
 from aureole.picture.metadata import (
     Attribute,
     Channel,
@@ -46,8 +48,10 @@ __all__ = [
     "Colour",
     "Convolver",
     "Header",
+    "Layers",
     "Window",
     "allowed_memory",
+    "attributes_of",
     "auto_exposure",
     "convolve",
     "decode_srgb",
@@ -73,4 +77,5 @@ __all__ = [
     "with_notes",
     "writable",
     "write",
+    "write_layers",
 ]

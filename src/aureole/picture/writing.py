@@ -107,7 +107,7 @@ def _save(part: Path, path: str | os.PathLike[str], sheet: Sheet) -> None:
     """Write the temporary file, every step checked."""
     import OpenImageIO
 
-    spec, whole = _spec(sheet), _interleaved(sheet)
+    spec, whole = spec_of(sheet), _interleaved(sheet)
     output = OpenImageIO.ImageOutput.create(str(part))
     done = output is not None and output.open(str(part), spec) and output.write_image(whole)
     # Closed in any case: what is still buffered may fail now.
@@ -137,7 +137,19 @@ def _set_integers(part: Path, planes: dict[str, NDArray[Any]]) -> None:
     file.write(str(part))
 
 
-def _spec(sheet: Sheet) -> "OpenImageIO.ImageSpec":
+def spec_of(sheet: Sheet) -> "OpenImageIO.ImageSpec":
+    """Say what a sheet holds in OpenImageIO's words.
+
+    Parameters
+    ----------
+    sheet : Sheet
+        What goes into a file.
+
+    Returns
+    -------
+    ImageSpec
+        Its channels with their pixel types, its attributes and windows.
+    """
     import OpenImageIO
 
     rows, columns = sheet.shape
