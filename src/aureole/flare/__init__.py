@@ -13,6 +13,8 @@ paraxial       matrices of the image and of ghosts; focal length, focus, f-numbe
 lint           what looks wrong in a prescription
 importers      lens files of other programs; import_*: one format a file, `import_draft` makes a lens of it
 rays           real rays, one loop for every way: the truth for faster tracers
+tracing        the same compiled: many rays, wavelengths and ghosts at a time
+pupil          which part of the pupil makes a ghost, and regular grids of rays over it
 filters        over pictures of ghosts: a blur along the dispersion, a median
 spectral       which wavelengths are traced, and the bands of colour drawn between them
 lights         lights by angle, by place on the picture, of a size, of a colour, found in a picture

@@ -64,11 +64,27 @@ class Traced:
         return self.reached & (self.relative_radius <= 1.0)
 
 
-class _Shapes(NamedTuple):
-    """The surfaces' numbers, one row a surface."""
+class Shapes(NamedTuple):
+    """The surfaces' numbers, one row a surface.
+
+    Parameters
+    ----------
+    curvature : ndarray, shape (S,)
+        1/m.
+    along : ndarray, shape (S, 2)
+        1 for an axis along which the surface is curved, 0 for one along which it is not.
+    conic : ndarray, shape (S,)
+        Conic constants.
+    asphere : ndarray, shape (S, M)
+        Coefficients of r⁴, r⁶, ... in the sag; lengths in metres.
+    place : ndarray, shape (S,)
+        The vertex on the axis, metres behind the first.
+    semi_aperture : ndarray, shape (S,)
+        Metres.
+    """
 
     curvature: Numbers
-    along: Numbers  # (S, 2): 1 for an axis along which the surface is curved
+    along: Numbers
     conic: Numbers
     asphere: Numbers
     place: Numbers
@@ -114,8 +130,8 @@ def trace_reference(
         raise refuse.Refusal("'directions' must head for the lens: z > 0.")
     waves = np.broadcast_to(np.asarray(wavelength, dtype=np.float64), (count,))
     surfaces, reflected = _ways(lens, np.asarray(reflections, dtype=np.int64), count)
-    shapes = _shapes(lens)
-    media = np.stack([glass.index(medium, waves) for medium in _media(lens)])
+    shapes = shapes_of(lens)
+    media = np.stack([glass.index(medium, waves) for medium in media_of(lens)])
     position = start.astype(np.float64)
     direction = heading / np.linalg.norm(heading, axis=1, keepdims=True)
     alive, radius, rays = np.ones(count, dtype=bool), np.zeros(count), np.arange(count)
@@ -215,15 +231,39 @@ def _ways(lens: Lens, reflections: NDArray[np.int64], count: int) -> tuple[NDArr
     return np.ascontiguousarray(table[..., 0].T), np.ascontiguousarray(table[..., 1].T.astype(bool))
 
 
-def _media(lens: Lens) -> list[glass.Glass]:
+def media_of(lens: Lens) -> list[glass.Glass]:
+    """Return the media before each surface and behind the last.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+
+    Returns
+    -------
+    list of Glass
+        One more than surfaces.
+    """
     return [lens.glass_before(0), *(surface.glass for surface in lens.surfaces)]
 
 
-def _shapes(lens: Lens) -> _Shapes:
+def shapes_of(lens: Lens) -> Shapes:
+    """Return the numbers of a lens's surfaces as tables.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+
+    Returns
+    -------
+    Shapes
+        In metres.
+    """
     surfaces = lens.surfaces
     most = max(len(surface.asphere) for surface in surfaces)
     thicknesses = [surface.thickness for surface in surfaces[:-1]]
-    return _Shapes(
+    return Shapes(
         np.array([surface.curvature for surface in surfaces]),
         np.array([[surface.cylinder != "y", surface.cylinder != "x"] for surface in surfaces], dtype=float),
         np.array([surface.conic for surface in surfaces]),
@@ -234,7 +274,7 @@ def _shapes(lens: Lens) -> _Shapes:
 
 
 def _meet(
-    shapes: _Shapes, k: NDArray[np.int64], position: Numbers, direction: Numbers
+    shapes: Shapes, k: NDArray[np.int64], position: Numbers, direction: Numbers
 ) -> tuple[Numbers, Numbers, Flags]:
     """Return the points on the surfaces, the unit normals, and whether there are any."""
     curvature, along, conic = shapes.curvature[k], shapes.along[k], shapes.conic[k]
@@ -256,7 +296,7 @@ def _meet(
         distance, close = _to_asphere(shapes, k, local, direction, distance)
         met &= close
     point = local + distance[:, None] * direction
-    _, slope, inside = _sag(shapes, k, point)
+    _, slope, inside = sag_of(shapes, k, point)
     normal = np.column_stack([-2.0 * slope[:, None] * along * point[:, :2], np.ones(len(point))])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
     point[:, 2] += shapes.place[k]
@@ -264,13 +304,13 @@ def _meet(
 
 
 def _to_asphere(
-    shapes: _Shapes, k: NDArray[np.int64], local: Numbers, direction: Numbers, distance: Numbers
+    shapes: Shapes, k: NDArray[np.int64], local: Numbers, direction: Numbers, distance: Numbers
 ) -> tuple[Numbers, Flags]:
     """Return the distances to aspheres by Newton's steps, and whether they came to rest."""
     along, step = shapes.along[k], np.zeros_like(distance)
     for _ in range(NEWTON_STEPS):
         point = local + distance[:, None] * direction
-        sag, slope, _ = _sag(shapes, k, point)
+        sag, slope, _ = sag_of(shapes, k, point)
         gap = point[:, 2] - sag
         rate = direction[:, 2] - 2.0 * slope * np.sum(along * point[:, :2] * direction[:, :2], axis=1)
         step = gap / np.where(np.abs(rate) < 1e-9, 1.0, rate)
@@ -281,8 +321,27 @@ def _to_asphere(
     return distance, np.abs(step) < 1e-12
 
 
-def _sag(shapes: _Shapes, k: NDArray[np.int64], point: Numbers) -> tuple[Numbers, Numbers, Flags]:
-    """Return a surface's sag, its slope over r², and whether the conic reaches that far from the axis."""
+def sag_of(shapes: Shapes, k: NDArray[np.int64], point: Numbers) -> tuple[Numbers, Numbers, Flags]:
+    """Return a surface's sag, its slope over r², and whether the conic reaches that far from the axis.
+
+    Parameters
+    ----------
+    shapes : Shapes
+        All surfaces.
+    k : ndarray of int, shape (N,)
+        The surface of each point.
+    point : ndarray, shape (N, 2) or (N, 3)
+        (x, y) from the axis, metres.
+
+    Returns
+    -------
+    sag : ndarray, shape (N,)
+        Behind the vertex, metres.
+    slope : ndarray, shape (N,)
+        d sag / d r², 1/m.
+    inside : ndarray of bool, shape (N,)
+        Whether there is a surface.
+    """
     curvature = shapes.curvature[k]
     square = np.sum(shapes.along[k] * point[:, :2] ** 2, axis=1)
     inner = 1.0 - (1.0 + shapes.conic[k]) * curvature**2 * square
