@@ -15,6 +15,8 @@ importers      lens files of other programs; import_*: one format a file, `impor
 rays           real rays, one loop for every way: the truth for faster tracers
 tracing        the same compiled: many rays, wavelengths and ghosts at a time
 pupil          which part of the pupil makes a ghost, and regular grids of rays over it
+primitives     quads of a ray grid that carry light into the picture, merged where none is missed; the frame
+barycentric    how much each corner of a quad says about a point in it: the tile paper's ways and the bilinear
 filters        over pictures of ghosts: a blur along the dispersion, a median
 spectral       which wavelengths are traced, and the bands of colour drawn between them
 lights         lights by angle, by place on the picture, of a size, of a colour, found in a picture
@@ -28,6 +30,7 @@ from aureole.flare.lens_file import to_toml, write
 from aureole.flare.lights import colour_spectrum, find_lights, light_at, light_on_picture, place_on_picture
 from aureole.flare.lint import Finding, findings
 from aureole.flare.prescription import Lens, Surface, ZoomState, at_state, load, with_coating
+from aureole.flare.primitives import Frame, Merge, Primitives, construct, frame_of
 from aureole.flare.rays import Traced, power, trace_reference
 from aureole.flare.spectral import sample_spectrum
 
@@ -35,18 +38,23 @@ __all__ = [
     "AIR",
     "Coating",
     "Finding",
+    "Frame",
     "GhostPath",
     "Glass",
     "Layer",
     "Lens",
+    "Merge",
+    "Primitives",
     "Surface",
     "Traced",
     "ZoomState",
     "at_state",
     "colour_spectrum",
+    "construct",
     "counts",
     "find_lights",
     "findings",
+    "frame_of",
     "ghosts",
     "import_lens",
     "index",
