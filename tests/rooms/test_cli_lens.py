@@ -180,3 +180,30 @@ def test_a_fields_edge_is_where_the_sensor_ends():
     lens = flare.load(HELIAR)
     angle = jobs.lens_drawing.field_angle(lens)
     assert math.tan(angle) == pytest.approx(12 / 99.2358, rel=1e-5)
+
+
+def test_ghosts_are_ranked_by_their_light(capsys):
+    words = ["lens", "ghosts", HELIAR, "--light", "8deg,3deg", "--illuminant", "line:550nm"]
+    found = told([*words, "--ghosts", "90%", "--json"], capsys)
+    assert found["out_of"] == {"which": "all", "count": 28}
+    energies = [line["energy"] for line in found["ghosts"]]
+    assert energies == sorted(energies, reverse=True)
+    assert found["ghosts"][-2]["cumulative"] < 0.9 <= found["ghosts"][-1]["cumulative"]
+    assert sum(energies) == pytest.approx(found["ghosts"][-1]["cumulative"] * found["ghost_to_image"])
+    side = told([*words, "--ghosts", "same-side", "--f-number", "8", "--on-sensor", "--json"], capsys)
+    assert len(side["ghosts"]) == 13
+    assert side["ghosts"][-1]["cumulative"] == pytest.approx(1)
+    assert run([*words, "--ghosts", "top:2"]) == 0
+    text = capsys.readouterr().out
+    assert "28 ghosts together carry" in text
+    assert found["ghosts"][1]["ghost"] in text
+
+
+def test_wrong_words_for_ghosts_are_refused(capsys):
+    assert refused(["lens", "ghosts", HELIAR, "--ghosts", "top:x"], capsys) == (
+        "aureole: 'ghosts' must be such as 'top:20' or '90%', got 'top:x'."
+    )
+    assert refused(["lens", "ghosts", HELIAR, "--light", "3deg"], capsys) == (
+        "aureole: 'light' must be two angles such as 8deg,3deg, got '3deg'."
+    )
+    assert "less than 89 degrees" in refused(["lens", "ghosts", HELIAR, "--light", "95deg,0deg"], capsys)

@@ -1,4 +1,4 @@
-"""The commands about lenses: list, check, show, import."""
+"""The commands about lenses: list, check, show, ghosts, import."""
 
 import math
 import time
@@ -102,6 +102,57 @@ def show(
     output.report("lens", report, [out], as_json, time.perf_counter() - start)
 
 
+@app.command()
+def ghosts(
+    lens: Name,
+    light: Annotated[
+        str | None,
+        typer.Option(
+            "--light",
+            help="Angles to the right and downward: 8deg,3deg; half way to the lower edge without it.",
+        ),
+    ] = None,
+    which: Annotated[
+        str, typer.Option("--ghosts", help="top:20 or 90% of all pairs; all, same-side or paper.")
+    ] = "top:20",
+    f_number: Annotated[float | None, typer.Option("--f-number", help="Wide open without it.")] = None,
+    illuminant: options.Illuminant = "E",
+    on_sensor: Annotated[
+        bool, typer.Option("--on-sensor", help="Count only the light that falls on the sensor.")
+    ] = False,
+    state: State = None,
+    as_json: options.Json = False,
+) -> None:
+    """Rank a lens's ghosts by the light that they carry, as a part of that in the light's own image.
+
+    A ghost's name is its two reflecting surfaces. Energies are as the eye weighs wavelengths, of all the
+    light that reaches the sensor's plane.
+
+    Examples:
+
+        aureole lens ghosts zeiss_biotar_50mm --light 8deg,3deg
+
+        aureole lens ghosts canon_tele_zoom_135mm --f-number 8 --ghosts 90% --json
+    """
+    start = time.perf_counter()
+    found, notes = flare.open_lens(lens, state)
+    output.say_notes(notes)
+    within = "frame" if on_sensor else "plane"
+    report = jobs.lens_ghosts(found, _angles(light), which, f_number, illuminant, within)
+    if as_json:
+        output.report("ghosts", report, [], True, time.perf_counter() - start)
+        return
+    count, ratio = report["out_of"]["count"], report["ghost_to_image"]
+    print(f"{found.name}: {count} ghosts together carry {ratio:.2e} of the image")
+    table = Table(box=None, pad_edge=False)
+    for heading in ("ghost", "of the image", "of the ghosts", "so far"):
+        table.add_column(heading, justify="left" if heading == "ghost" else "right", no_wrap=True)
+    for line in report["ghosts"]:
+        shares = (f"{100 * line[key]:.2f} %" for key in ("share", "cumulative"))
+        table.add_row(line["ghost"], f"{line['energy']:.2e}", *shares)
+    Console().print(table)
+
+
 @app.command(name="import")
 def import_lens(
     source: Annotated[Path, typer.Argument(metavar="FILE", help=".zmx, .seq, .xml, .json, .lens or .dat.")],
@@ -136,6 +187,17 @@ def _pair(text: str) -> tuple[int, ...]:
     if not all(word.strip().isdecimal() for word in words):
         raise refuse.Refusal(f"'ghost' must be two numbers of surfaces such as 2,5, got '{text}'.")
     return tuple(int(word) for word in words)
+
+
+def _angles(text: str | None) -> tuple[float, float] | None:
+    """Read "8deg,3deg"."""
+    if text is None:
+        return None
+    words = text.split(",")
+    if len(words) != 2:
+        raise refuse.Refusal(f"'light' must be two angles such as 8deg,3deg, got '{text}'.")
+    x, y = (units.angle(word.strip(), "light") for word in words)
+    return x, y
 
 
 def _for_people(report: dict[str, Any]) -> dict[str, Any]:

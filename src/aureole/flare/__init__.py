@@ -20,10 +20,22 @@ barycentric    how much each corner of a quad says about a point in it: the tile
 filters        over pictures of ghosts: a blur along the dispersion, a median
 spectral       which wavelengths are traced, and the bands of colour drawn between them
 lights         lights by angle, by place on the picture, of a size, of a colour, found in a picture
+energy         what each ghost carries by sheets of rays; ranked, chosen, compared with the image
+random_rays    the same by random rays: the truth
 """
 
 from aureole.flare.coating import Coating, Layer, quarter_wave, reflectance
-from aureole.flare.ghost_paths import GhostPath, counts, ghosts, path_of
+from aureole.flare.energy import chosen, ghost_energies, ghost_powers, ghost_to_image, ranked, strongest
+from aureole.flare.ghost_paths import (
+    GhostPath,
+    counts,
+    four_bounces,
+    ghosts,
+    only,
+    path_named,
+    path_of,
+    without,
+)
 from aureole.flare.glass import AIR, Glass, index, named
 from aureole.flare.importers import import_lens, open_lens
 from aureole.flare.lens_file import to_toml, write
@@ -31,12 +43,14 @@ from aureole.flare.lights import colour_spectrum, find_lights, light_at, light_o
 from aureole.flare.lint import Finding, findings
 from aureole.flare.prescription import Lens, Surface, ZoomState, at_state, load, with_coating
 from aureole.flare.primitives import Frame, Merge, Primitives, construct, frame_of
+from aureole.flare.random_rays import Estimate, monte_carlo
 from aureole.flare.rays import Traced, power, trace_reference
 from aureole.flare.spectral import sample_spectrum
 
 __all__ = [
     "AIR",
     "Coating",
+    "Estimate",
     "Finding",
     "Frame",
     "GhostPath",
@@ -49,28 +63,39 @@ __all__ = [
     "Traced",
     "ZoomState",
     "at_state",
+    "chosen",
     "colour_spectrum",
     "construct",
     "counts",
     "find_lights",
     "findings",
     "frame_of",
+    "four_bounces",
+    "ghost_energies",
+    "ghost_powers",
+    "ghost_to_image",
     "ghosts",
     "import_lens",
     "index",
     "light_at",
     "light_on_picture",
     "load",
+    "monte_carlo",
     "named",
+    "only",
     "open_lens",
+    "path_named",
     "path_of",
     "place_on_picture",
     "power",
     "quarter_wave",
+    "ranked",
     "reflectance",
     "sample_spectrum",
+    "strongest",
     "to_toml",
     "trace_reference",
     "with_coating",
+    "without",
     "write",
 ]

@@ -5,7 +5,7 @@ The tile paper (Bodonyi and Kunkli 2023, section 3.2) keeps the pairs on one sid
 it prints leave out the last glass surface, too.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import comb
@@ -26,7 +26,7 @@ class GhostPath:
         Indices of the reflecting surfaces, counted from 0, in the order in which the light meets them:
         a later one, an earlier one, and so on.
     energy : float, optional
-        Its part of the light that enters the lens, where it is known.
+        Its luminous power over that of the light's own image, where it is known.
     """
 
     reflections: tuple[int, ...]
@@ -136,6 +136,117 @@ def path_of(lens: Lens, numbers: Sequence[int]) -> GhostPath:
     return GhostPath((second, first))
 
 
+def path_named(lens: Lens, name: str) -> GhostPath:
+    """Return the ghost of a name.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+    name : str
+        "2-5" or "2,5", and "2-5-1-3" for four reflections, as `GhostPath.name` has them.
+
+    Returns
+    -------
+    GhostPath
+        The ghost.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the name has no two or four numbers, or they are no way through the lens.
+    """
+    words = name.replace(",", "-").split("-")
+    if len(words) not in (2, 4) or not all(word.strip().isdecimal() for word in words):
+        raise refuse.Refusal(f"'ghost' must be two or four numbers of surfaces such as 2-5, got '{name}'.")
+    numbers = [int(word) for word in words]
+    path = path_of(lens, numbers[:2])
+    if len(numbers) == 2:
+        return path
+    last = numbers[2] - 1, numbers[3] - 1
+    # The third surface lies behind the second one met, the fourth before the third.
+    if last[0] <= path.reflections[1] or path_of(lens, numbers[2:]).reflections != last:
+        raise refuse.Refusal(f"'ghost' must turn back and forth between surfaces, got '{name}'.")
+    return GhostPath((*path.reflections, *last))
+
+
+def only(paths: Sequence[GhostPath], names: Collection[str]) -> list[GhostPath]:
+    """Return the ghosts of some names.
+
+    Parameters
+    ----------
+    paths : sequence of GhostPath
+        To choose from.
+    names : collection of str
+        Such as "2-5".
+
+    Returns
+    -------
+    list of GhostPath
+        In the order of the paths.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a name is none of the paths'.
+    """
+    wanted = _known(paths, names)
+    return [path for path in paths if path.name in wanted]
+
+
+def without(paths: Sequence[GhostPath], names: Collection[str]) -> list[GhostPath]:
+    """Return the ghosts but those of some names.
+
+    Parameters
+    ----------
+    paths : sequence of GhostPath
+        To choose from.
+    names : collection of str
+        Such as "2-5".
+
+    Returns
+    -------
+    list of GhostPath
+        In the order of the paths.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a name is none of the paths'.
+    """
+    hidden = _known(paths, names)
+    return [path for path in paths if path.name not in hidden]
+
+
+def four_bounces(lens: Lens, which: str = "same-side") -> list[GhostPath]:
+    """Return a lens's ghosts of four reflections.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+    which : {"same-side", "paper", "all"}
+        Out of which surfaces, as in `ghosts`: all four on one side of the stop; the same without the
+        last glass surface; or any.
+
+    Returns
+    -------
+    list of GhostPath
+        n reflecting surfaces have C(n, 2) + 5 C(n, 3) + 5 C(n, 4): hundreds for a prime, two hundred
+        thousand for a zoom.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where `which` is unknown.
+    """
+    refuse.one_of("which", which, WHICH)
+    before, behind = sides(lens)
+    if which == "all":
+        return _fours(sorted({*before, *behind}))
+    return _fours(before) + _fours(behind[:-1] if which == "paper" else behind)
+
+
 def steps(lens: Lens, reflections: Sequence[int] = ()) -> list[tuple[int, bool]]:
     """Return the surfaces that light meets, in order, and at which of them it is thrown back.
 
@@ -176,3 +287,24 @@ def steps(lens: Lens, reflections: Sequence[int] = ()) -> list[tuple[int, bool]]
 
 def _pairs(surfaces: Sequence[int]) -> list[GhostPath]:
     return [GhostPath((j, i)) for k, i in enumerate(surfaces) for j in surfaces[k + 1 :]]
+
+
+def _fours(surfaces: Sequence[int]) -> list[GhostPath]:
+    """Return every a > b < c > d, by b and c first."""
+    return [
+        GhostPath((a, b, c, d))
+        for k, b in enumerate(surfaces)
+        for m, c in enumerate(surfaces[k + 1 :], k + 1)
+        for a in surfaces[k + 1 :]
+        for d in surfaces[:m]
+    ]
+
+
+def _known(paths: Sequence[GhostPath], names: Collection[str]) -> set[str]:
+    """Return names as `GhostPath` has them, each of which is one of the paths'."""
+    wanted = [name.replace(",", "-").replace(" ", "") for name in names]
+    have = {path.name for path in paths}
+    for name in wanted:
+        if name not in have:
+            raise refuse.unknown_key("the list of ghosts", name, have)
+    return set(wanted)

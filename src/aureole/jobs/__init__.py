@@ -11,6 +11,7 @@ near_sweep    the same at many distances: planes, a strip of them, a section alo
 near_texture  a ringing texture for the ghosts of a lens
 measures      a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
 lens          a lens as numbers, and what looks wrong in it
+lens_ghosts   a lens's ghosts by their energy
 lens_drawing  a lens drawn, with rays and ghosts
 page          one page about a point spread function
 drawing       an aperture's quads drawn
@@ -23,6 +24,7 @@ from aureole.jobs.demo import DemoJob, DemoResult
 from aureole.jobs.glare import GlareJob, GlareResult
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
+from aureole.jobs.lens_ghosts import lens_ghosts
 from aureole.jobs.measures import PupilMeasures, pupil_measures
 from aureole.jobs.near_field import NearFieldJob, NearFieldResult
 from aureole.jobs.near_sweep import (
@@ -64,6 +66,7 @@ __all__ = [
     "check_drawing",
     "check_page",
     "finish",
+    "lens_ghosts",
     "lens_list",
     "lens_report",
     "pupil_measures",
