@@ -21,6 +21,8 @@ zooms               far fields of masks, finer than the transform's own spacing
 starbursts          a whole starburst in colour
 peer_ways           which peers are installed, and their ways
 peer_*              one file a library
+flare_peers       other ray tracers on the ways of ghosts
+lens_rays         rays through a lens as a peer takes them
 optics            a far-field and a near-field problem as a peer takes them
 convolved         the discrete near field by FFT, in a frame of zeros
 fractional        the discrete fractional Fourier transform, and the near field by it
@@ -29,6 +31,7 @@ timing            runs in turn, medians, the environment
 report            tables and reports
 """
 
+from aureole.bench.flare_peers import FlarePeersBench, run_flare_peers
 from aureole.bench.near_field import NearFieldBench, run_near_field
 from aureole.bench.peers import PeersBench, run_peers
 from aureole.bench.quad_paper import QuadPaperBench, run_quad_paper
@@ -36,12 +39,14 @@ from aureole.bench.report import Column, Report, Table, plain
 
 __all__ = [
     "Column",
+    "FlarePeersBench",
     "NearFieldBench",
     "PeersBench",
     "QuadPaperBench",
     "Report",
     "Table",
     "plain",
+    "run_flare_peers",
     "run_near_field",
     "run_peers",
     "run_quad_paper",

@@ -107,6 +107,26 @@ def near_field(
     _run(bench.run_near_field(bench.NearFieldBench(size, runs, _names(only))), out, as_json)
 
 
+@app.command(name="flare-peers")
+def flare_peers(
+    side: Annotated[int, typer.Option(help="Rays along each side of the grid.")] = 256,
+    runs: Runs = 5,
+    out: Results = None,
+    as_json: options.Json = False,
+) -> None:
+    """Rays through lenses by the ways of ghosts: optiland on the same rays, where it is installed.
+
+    It comes with `pip install 'aureole[bench]'`. Says how many rays a second, and how far apart they land.
+
+    Examples:
+
+        aureole bench flare-peers
+
+        aureole bench flare-peers --side 128 --json
+    """
+    _run(bench.run_flare_peers(bench.FlarePeersBench(side, runs)), out, as_json)
+
+
 def _names(only: str | None) -> tuple[str, ...]:
     return () if only is None else tuple(name.strip().lower() for name in only.split(","))
 
