@@ -10,12 +10,13 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aureole import refuse
+from aureole.flare import _kernels_merge as merging
 from aureole.flare import _kernels_primitives as kernels
 from aureole.flare.prescription import Lens
 from aureole.flare.pupil import Sheet
@@ -23,7 +24,7 @@ from aureole.flare.pupil import Sheet
 F32 = NDArray[np.float32]
 I32 = NDArray[np.int32]
 Flags = NDArray[np.bool_]
-# The tests' numbers in the kernels.
+Rays: TypeAlias = tuple[F32, F32, F32, F32]
 TESTS = ("none", "published", "correct")
 MOST_STEPS = 4
 
@@ -123,7 +124,7 @@ class _Blocks(NamedTuple):
 
     x: F32
     y: F32
-    rays: tuple[F32, F32, F32, F32]
+    rays: Rays
     reached: Flags
     sizes: NDArray[np.int8]
     power: F32
@@ -210,7 +211,7 @@ def construct(
         ends = np.cumsum([0, *(blocks.found for blocks in found)])
         whole = _empty(int(ends[-1]), np.array([blocks.outside for blocks in found]))
         parts = zip(grids, found, rows, names, ends[:-1].tolist(), strict=True)
-        list(pool.map(lambda part: _fill(part, how.test == "correct", whole), parts))
+        list(pool.map(lambda part: _fill(part, whole), parts))
     return whole
 
 
@@ -254,22 +255,38 @@ def _colour_rows(grids: Sequence[Sheet], colours: Sequence[Sequence[int]] | None
 
 
 def _arrange(grid: Sheet, frame: Frame, how: Merge, crossed: bool, reach: float) -> _Blocks:
-    """Return where a sheet's blocks begin."""
+    """Return where a sheet's blocks begin: mark its cells, merge them, close cracks, drop what is outside."""
     x, y = np.array(grid.x, dtype=np.float32, order="C"), np.array(grid.y, dtype=np.float32, order="C")
     weight, level = _plain(grid.weight), _plain(grid.level)
     rays = (weight, level, _plain(grid.stop_x), _plain(grid.stop_y))
     reached = np.ascontiguousarray(grid.reached)
     waves, rows, columns = x.shape
     sizes = np.empty((waves, rows - 1, columns - 1), dtype=np.int8)
-    power, outside = np.empty(sizes.shape, dtype=np.float32), np.empty(waves)
+    whole, outside = np.empty(sizes.shape, dtype=np.bool_), np.empty(waves)
     # Numbers in single precision keep the loops in it.
-    first = how.gamma if how.test == "published" else how.position
-    bounds: Any = (np.float32(first), np.float32(how.brightness))
-    scale: Any = np.float32(1.0 / frame.pitch)
-    valid: Any = (np.float32(reach), crossed)
-    steps = (TESTS.index(how.test), how.steps, bounds, how.stitch)
-    count = kernels.arrange(x, y, rays, reached, frame.shape, scale, valid, *steps, sizes, power, outside)
-    return _Blocks(x, y, rays, reached, sizes, power, float(outside.sum()) * grid.cell, count)
+    height, width = frame.shape
+    half: Any = np.array([0.5 * width, 0.5 * height, 1.0 / frame.pitch, reach], dtype=np.float32)
+    kernels.mark(x, y, rays, reached, half[:3], half[3], crossed, how.test == "correct", sizes, whole)
+    power = _merge(x, y, rays, frame, how, sizes, whole)
+    if how.stitch:
+        kernels.stitch(x, y, how.steps, sizes)
+    found = kernels.drop_outside(x, y, weight, 2 * half[0], 2 * half[1], sizes, outside)
+    return _Blocks(x, y, rays, reached, sizes, power, float(outside.sum()) * grid.cell, found)
+
+
+def _merge(
+    x: F32, y: F32, rays: Rays, frame: Frame, how: Merge, sizes: NDArray[np.int8], whole: Flags
+) -> F32:
+    """Merge blocks by one of the tests; return their powers where merging conserves them."""
+    bounds: Any = np.array([how.gamma, how.position, how.brightness], dtype=np.float32)
+    if how.test == "correct":
+        power = np.empty(sizes.shape, dtype=np.float32)
+        merging.merge_correct(x, y, rays, how.steps, bounds[1], bounds[2], sizes, whole, power)
+        return power
+    if how.test == "published":
+        units: Any = np.array([2.0 / frame.shape[1], -2.0 / frame.shape[0]], dtype=np.float32)
+        merging.merge_published(x, y, how.steps, units, bounds[0], sizes, whole)
+    return np.empty((0, 0, 0), dtype=np.float32)
 
 
 def _plain(values: F32) -> F32:
@@ -282,13 +299,13 @@ def _empty(count: int, outside: NDArray[np.float64]) -> Primitives:
     return Primitives(corners, attributes, np.empty(count, np.float32), colour, ghost, size, outside)
 
 
-def _fill(sheet: tuple[Sheet, _Blocks, I32, int, int], conserved: bool, whole: Primitives) -> None:
+def _fill(sheet: tuple[Sheet, _Blocks, I32, int, int], whole: Primitives) -> None:
     """Fill a sheet's part of the primitives."""
     grid, b, colours, ghost, start = sheet
     part = slice(start, start + b.found)
     size = whole.size[part]
     out = whole.corners[part], whole.attributes[part], size, whole.colour[part]
-    kernels.fill(b.x, b.y, b.rays, b.reached, b.sizes, b.power, conserved, colours, *out)
+    kernels.fill(b.x, b.y, b.rays, b.reached, b.sizes, b.power, colours, *out)
     np.left_shift(1, size, out=size)
     whole.area[part] = size.astype(np.float32) ** 2 * np.float32(grid.cell)
     whole.ghost[part] = ghost
