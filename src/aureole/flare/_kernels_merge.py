@@ -228,8 +228,9 @@ def brightness_change(x: Nine, y: Nine, weight: Nine, power: Four) -> float:
     b = cross(x[8] - x[2], y[8] - y[2], x[0] - x[2], y[0] - y[2])
     c = cross(x[6] - x[8], y[6] - y[8], x[2] - x[8], y[2] - y[8])
     d = cross(x[0] - x[6], y[0] - y[6], x[8] - x[6], y[8] - y[6])
+    folded: float = HUGE
     if not (min(min(a, b), min(c, d)) > ZERO or max(max(a, b), max(c, d)) < ZERO):
-        return HUGE
+        return folded
     p, q, r, s = weight[0], weight[2], weight[8], weight[6]
     ratio = TWO * (power[0] + power[1] + power[2] + power[3]) / (p + q + r + s)
     # A child's area is half the cross product of its diagonals.
