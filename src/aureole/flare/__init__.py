@@ -20,6 +20,7 @@ barycentric    how much each corner of a quad says about a point in it: the tile
 filters        over pictures of ghosts: a blur along the dispersion, a median
 spectral       which wavelengths are traced, and the bands of colour drawn between them
 lights         lights by angle, by place on the picture, of a size, of a colour, found in a picture
+ghost_colour   how a ghost's light goes with the wavelength between those traced
 energy         what each ghost carries by sheets of rays; ranked, chosen, compared with the image
 random_rays    the same by random rays: the truth
 """

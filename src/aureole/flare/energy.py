@@ -7,27 +7,30 @@ largest relative radius is 1. `aureole.flare.random_rays` is the truth that they
 
 import dataclasses
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aureole import refuse
-from aureole.flare import pupil, tracing
+from aureole.flare import ghost_colour, pupil, tracing
 from aureole.flare.ghost_paths import WHICH, GhostPath, ghosts
 from aureole.flare.glass import D_LINE
 from aureole.flare.prescription import Lens
-from aureole.flare.spectral import BAND_COUNTS, sample_spectrum
+from aureole.flare.spectral import Sampling, sample_spectrum
 from aureole.records import Light
 
 # Rays a side of a sheet: the energies of a lens's ten strongest ghosts are then right to a fraction of 1 %.
 BASE = 64
-WAVELENGTHS = 4
+WAVELENGTHS = 3
+# For an order of ghosts less will do: their energies are then right to 3 %.
+RANKING_BASE, RANKING_WAVELENGTHS = 32, 1
 WITHIN = ("plane", "frame")
 # How many ghosts' sheets are held at once.
 TOGETHER = 64
 AXIS = (0.0, 0.0, 1.0)
+IMAGE, IMAGE_BASE = GhostPath(()), 128
 # An image below this part of one on the axis counts as none.
 LEAST_IMAGE = 1e-6
 
@@ -98,7 +101,13 @@ def ghost_powers(
     """
     refuse.one_of("within", within, WITHIN)
     prepared = tracing.prepare(lens, np.atleast_1d(np.asarray(wavelengths, dtype=np.float64)), f_number)
-    return _powers(prepared, paths, direction, base, lens.sensor if within == "frame" else None)
+    sensor = lens.sensor if within == "frame" else None
+    place = {path.reflections: k for k, path in enumerate(paths)}
+    found = np.zeros((len(paths), prepared.wavelengths.size))
+    for together in _sheets(prepared, paths, direction, base):
+        for sheet in together:
+            found[place[tracing.reflections(sheet.path)]] = sheet_energy(sheet, sensor)
+    return found
 
 
 def ghost_energies(
@@ -148,13 +157,11 @@ def ghost_energies(
     ghost, image, centred = np.zeros(len(paths)), 0.0, 0.0
     for light in sources:
         sampling = sample_spectrum(light.spectrum, wavelengths)
-        bands = sampling.bands(BAND_COUNTS[-1])
-        # What each traced wavelength counts, when what lies between follows from all of them.
-        luminous = light.irradiance * bands.colours[:, 1] @ bands.blend
         prepared = tracing.prepare(lens, sampling.wavelengths, f_number)
-        ghost += np.maximum(_powers(prepared, paths, light.direction, base, sensor) @ luminous, 0.0)
-        image += float(pupil.image_power(prepared, light.direction) @ luminous)
-        centred += float(pupil.image_power(prepared, AXIS) @ luminous)
+        asked = prepared, sampling, light.irradiance
+        ghost += _luminous(*asked, paths, light.direction, base, sensor)
+        centred += float(_luminous(*asked, [IMAGE], AXIS, IMAGE_BASE)[0])
+        image += float(_luminous(*asked, [IMAGE], light.direction, IMAGE_BASE)[0])
     # A light far outside the field has no image to compare with.
     return ghost / (image if image > LEAST_IMAGE * centred else centred)
 
@@ -291,7 +298,7 @@ def chosen(
     Returns
     -------
     list of GhostPath
-        With their energies where they were ranked.
+        With their energies where they were ranked, to about 3 %.
 
     Raises
     ------
@@ -300,7 +307,8 @@ def chosen(
     """
     if checked(which) in WHICH:
         return ghosts(lens, which)
-    return strongest(ranked(lens, ghosts(lens, pool), lights, f_number), which)
+    every = ranked(lens, ghosts(lens, pool), lights, f_number, RANKING_WAVELENGTHS, RANKING_BASE)
+    return strongest(every, which)
 
 
 def checked(which: str) -> str:
@@ -329,19 +337,36 @@ def checked(which: str) -> str:
     return which
 
 
-def _powers(
+def _luminous(
     prepared: tracing.Prepared,
+    sampling: Sampling,
+    irradiance: float,
     paths: Sequence[GhostPath],
     direction: Direction,
     base: int,
-    sensor: tuple[float, float] | None,
+    sensor: tuple[float, float] | None = None,
 ) -> Numbers:
+    """Return each ghost's luminous power in parts of the irradiance's, (G,), m²."""
     place = {path.reflections: k for k, path in enumerate(paths)}
-    found = np.zeros((len(paths), prepared.wavelengths.size))
-    for first in range(0, len(paths), TOGETHER):
-        for sheet in pupil.sheets(prepared, paths[first : first + TOGETHER], direction, base=base):
-            found[place[tracing.reflections(sheet.path)]] += sheet_energy(sheet, sensor)
+    exact = ghost_colour.prepare_curves(prepared.lens, sampling)
+    traced, luminous = sampling.wavelengths, irradiance * sampling.colours[:, 1]
+    known = np.array_equal(traced, sampling.cells)
+    found = np.zeros(len(paths))
+    for together in _sheets(prepared, paths, direction, base):
+        curves = ghost_colour.curves(exact, together, direction)
+        for sheet, curve in zip(together, curves, strict=True):
+            power = sheet_energy(sheet, sensor)
+            if not known:
+                power = ghost_colour.weight_blend(curve, exact, traced, sampling.cells) @ power
+            found[place[tracing.reflections(sheet.path)]] = max(float(luminous @ power), 0.0)
     return found
+
+
+def _sheets(
+    prepared: tracing.Prepared, paths: Sequence[GhostPath], direction: Direction, base: int
+) -> Iterator[list[pupil.Sheet]]:
+    for first in range(0, len(paths), TOGETHER):
+        yield pupil.sheets(prepared, paths[first : first + TOGETHER], direction, base=base)
 
 
 def _margins(sheet: pupil.Sheet, sensor: tuple[float, float] | None) -> Numbers:
