@@ -17,6 +17,7 @@ tracing        the same compiled: many rays, wavelengths and ghosts at a time
 pupil          which part of the pupil makes a ghost, and regular grids of rays over it
 primitives     quads of a ray grid that carry light into the picture, merged where none is missed; the frame
 barycentric    how much each corner of a quad says about a point in it: the tile paper's ways and the bilinear
+raster         the picture of primitives: each on its own, or by tiles
 filters        over pictures of ghosts: a blur along the dispersion, a median
 spectral       which wavelengths are traced, and the bands of colour drawn between them
 lights         lights by angle, by place on the picture, of a size, of a colour, found in a picture
@@ -45,6 +46,7 @@ from aureole.flare.lint import Finding, findings
 from aureole.flare.prescription import Lens, Surface, ZoomState, at_state, load, with_coating
 from aureole.flare.primitives import Frame, Merge, Primitives, construct, frame_of
 from aureole.flare.random_rays import Estimate, monte_carlo
+from aureole.flare.raster import rasterize
 from aureole.flare.rays import Traced, power, trace_reference
 from aureole.flare.spectral import sample_spectrum
 
@@ -91,6 +93,7 @@ __all__ = [
     "power",
     "quarter_wave",
     "ranked",
+    "rasterize",
     "reflectance",
     "sample_spectrum",
     "strongest",
