@@ -49,7 +49,10 @@ def wavy(seed: int, size: float = 18.0, fold: float = 0.0) -> Map:
     def place(u: Numbers, v: Numbers) -> tuple[Numbers, Numbers]:
         s, t = u + a * v * v + b * u * v, v + c * u * u + d * u * v * v
         s = s - fold * u * u
-        x, y = math.cos(8 * turn) * s - math.sin(8 * turn) * t, math.sin(8 * turn) * s + math.cos(8 * turn) * t
+        x, y = (
+            math.cos(8 * turn) * s - math.sin(8 * turn) * t,
+            math.sin(8 * turn) * s + math.cos(8 * turn) * t,
+        )
         return 59.3 + size * x, 47.1 + size * y
 
     return place
@@ -97,7 +100,7 @@ def test_power_lands_where_random_rays_land(seed: int, fold: float) -> None:
     sheet = cells(wavy(seed, 14.0, fold), 16)
     picture, truth = drawn(sheet), counted(sheet)
     assert picture.sum() == pytest.approx(4.0, rel=3e-3)
-        # Over 4×4 pixels, where rays are many enough for 1 %.
+    # Over 4×4 pixels, where rays are many enough for 1 %.
     blocks = [a.reshape(24, 4, 30, 4).sum((1, 3)) for a in (picture, truth)]
     assert np.abs(blocks[0] - blocks[1]).sum() < 0.02 * 4
     assert picture.max() < 1.15 * truth.max()
@@ -110,7 +113,7 @@ def test_a_disc_has_its_area(count: int) -> None:
     place: Map = lambda u, v: (60.2 + 40 * u, 48.4 + 40 * v)  # noqa: E731
     round_stop = cells(place, count, stop=lambda u, v: (1.2 * u, 1.2 * v))
     assert drawn(round_stop).sum() * 80**2 / 4 == pytest.approx(math.pi * radius**2, rel=1e-3)
-    # As a level: (1 + r²) / 2, whose bilinear values lie above it by (h² − x² − y²) / 2 about a cell's middle.
+    # As a level: (1 + r²) / 2, whose bilinear values lie too high by 2 h²/3 in the mean.
     level = cells(place, count, stop=lambda u, v: (1.2 * u, 1.2 * v))
     level.attributes[..., 1] = 0.5 + 0.5 * (level.attributes[..., 2:] ** 2).sum(-1)
     level.attributes[..., 2:] = 0

@@ -138,8 +138,20 @@ def rasterize_timed(
 
     Parameters
     ----------
-    primitives, colours, frame, method, coordinates, iris, tiles
-        As for `rasterize`.
+    primitives : Primitives
+        As for `rasterize`, and so are the others.
+    colours : array_like, shape (K, 3)
+        Of a power of 1.
+    frame : Frame
+        The picture.
+    method : {"auto", "reference", "tiles"}
+        How.
+    coordinates : {"auto", "coverage"}
+        Inside a quad.
+    iris : array_like, shape (rows, columns), optional
+        Transmission of the stop.
+    tiles : tuple of int
+        Sides of the coarse and the dense tiles.
 
     Returns
     -------

@@ -11,7 +11,7 @@ FRAME = Frame((20, 30), 1e-5)
 
 
 def square(count: int = 1) -> Primitives:
-    corners = np.array([[[2, 2], [12, 2], [12, 12], [2, 12]]] * count, np.float32)
+    corners = np.array([[[2, 2], [12, 2], [12, 12], [2, 12]]] * count, np.float32).reshape(-1, 4, 2)
     rays = np.zeros((count, 4, 4), np.float32)
     rays[..., 0] = 1
     zero = np.zeros(count, np.int32)
@@ -20,7 +20,7 @@ def square(count: int = 1) -> Primitives:
 
 @pytest.mark.parametrize("method", ["reference", "tiles"])
 def test_nothing_makes_a_black_picture(method: str) -> None:
-    picture = raster.rasterize(square(0), np.ones((0, 3)), FRAME, method)
+    picture = raster.rasterize(square(0), np.ones((1, 3)), FRAME, method)
     assert picture.shape == (20, 30, 3)
     assert picture.dtype == np.float32
     assert not picture.any()
@@ -39,15 +39,15 @@ def test_wrong_input_is_refused() -> None:
     broken = square()
     broken.corners[0, 0, 0] = np.nan
     cases = [
-        ("method", dict(method="fast")),
-        ("coordinates", dict(coordinates="barycentric")),
-        ("tiles", dict(tiles=(20, 8))),
-        ("tiles", dict(tiles=(128, 4))),
-        ("iris", dict(iris=np.ones(4))),
-        ("iris", dict(iris=np.full((4, 4), np.inf))),
-        ("colours", dict(colours=np.ones((0, 3)))),
-        ("colours", dict(colours=np.ones((1, 4)))),
-        ("primitives", dict(primitives=broken)),
+        ("method", {"method": "fast"}),
+        ("coordinates", {"coordinates": "barycentric"}),
+        ("tiles", {"tiles": (20, 8)}),
+        ("tiles", {"tiles": (128, 4)}),
+        ("iris", {"iris": np.ones(4)}),
+        ("iris", {"iris": np.full((4, 4), np.inf)}),
+        ("colours", {"colours": np.ones((0, 3))}),
+        ("colours", {"colours": np.ones((1, 4))}),
+        ("primitives", {"primitives": broken}),
     ]
     for name, change in cases:
         given = {"primitives": square(), "colours": np.ones((1, 3)), "frame": FRAME, **change}
