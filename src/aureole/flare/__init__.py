@@ -24,6 +24,8 @@ lights         lights by angle, by place on the picture, of a size, of a colour,
 ghost_colour   how a ghost's light goes with the wavelength between those traced
 energy         what each ghost carries by sheets of rays; ranked, chosen, compared with the image
 random_rays    the same by random rays: the truth
+iris           the stop's opening as a mask, with ringing or without
+render         all of it: lights in, the picture of the ghosts out, whole or ghost by ghost
 """
 
 from aureole.flare.coating import Coating, Layer, quarter_wave, reflectance
@@ -48,6 +50,7 @@ from aureole.flare.primitives import Frame, Merge, Primitives, construct, frame_
 from aureole.flare.random_rays import Estimate, monte_carlo
 from aureole.flare.raster import rasterize
 from aureole.flare.rays import Traced, power, trace_reference
+from aureole.flare.render import GhostLayer, Options, render, render_layers, render_stages
 from aureole.flare.spectral import sample_spectrum
 
 __all__ = [
@@ -56,11 +59,13 @@ __all__ = [
     "Estimate",
     "Finding",
     "Frame",
+    "GhostLayer",
     "GhostPath",
     "Glass",
     "Layer",
     "Lens",
     "Merge",
+    "Options",
     "Primitives",
     "Surface",
     "Traced",
@@ -95,6 +100,9 @@ __all__ = [
     "ranked",
     "rasterize",
     "reflectance",
+    "render",
+    "render_layers",
+    "render_stages",
     "sample_spectrum",
     "strongest",
     "to_toml",
