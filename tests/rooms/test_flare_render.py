@@ -206,7 +206,9 @@ def test_a_large_light_is_blurred_and_keeps_its_energy(biotar):
     large, options = at(8, 3, angular_size=2 * DEGREE), {"f_number": 16, "ghosts": "top:4", **QUICK}
     point = render(biotar, at(8, 3), SHAPE, **options)
     pictures = [render(biotar, large, SHAPE, points=n, **options) for n in (3, 10, 40)]
-    assert pictures[2].pixels.max() < 0.8 * point.pixels.max()
+    # Edges are softer by far.
+    steps = [float(np.abs(np.diff(each.pixels[..., 1], axis=1)).max()) for each in (pictures[2], point)]
+    assert steps[0] < 0.7 * steps[1]
     assert pictures[2].metadata["ghost_to_image"] == pytest.approx(point.metadata["ghost_to_image"], rel=0.05)
     errors = [np.abs(each.pixels - pictures[2].pixels).mean() for each in pictures[:2]]
     assert errors[1] < 0.6 * errors[0]

@@ -158,7 +158,7 @@ class _Palette:
             self._bands[key] = sampling.bands(count)
         return self._bands[key]
 
-    def rows(self, source: _Source, count: int) -> NDArray[np.int32]:
+    def rows(self, source: _Source, count: int) -> range:
         """Return the rows of a light's bands, each XYZ times what its power counts."""
         key = id(source.sampling), source.scale, count
         colours = self.bands(source.sampling, count).colours
@@ -166,7 +166,7 @@ class _Palette:
             self._starts[key] = self._count
             self._blocks.append(colours * source.scale)
             self._count += len(colours)
-        return np.arange(len(colours), dtype=np.int32) + np.int32(self._starts[key])
+        return range(self._starts[key], self._starts[key] + len(colours))
 
     def table(self) -> Pixels:
         """Return the whole table, shape (K, 3)."""
