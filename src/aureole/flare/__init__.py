@@ -16,6 +16,7 @@ rays           real rays, one loop for every way: the truth for faster tracers
 tracing        the same compiled: many rays, wavelengths and ghosts at a time
 pupil          which part of the pupil makes a ghost, and regular grids of rays over it
 primitives     quads of a ray grid that carry light into the picture, merged where none is missed; the frame
+merge_picture  the outlines of a ghost's primitives, coloured by how many cells they were merged of
 barycentric    how much each corner of a quad says about a point in it: the tile paper's ways and the bilinear
 raster         the picture of primitives: each on its own, or by tiles
 filters        over pictures of ghosts: a blur along the dispersion, a median
@@ -45,6 +46,7 @@ from aureole.flare.importers import import_lens, open_lens
 from aureole.flare.lens_file import to_toml, write
 from aureole.flare.lights import colour_spectrum, find_lights, light_at, light_on_picture, place_on_picture
 from aureole.flare.lint import Finding, findings
+from aureole.flare.merge_picture import merge_picture
 from aureole.flare.prescription import Lens, Surface, ZoomState, at_state, load, with_coating
 from aureole.flare.primitives import Frame, Merge, Primitives, construct, frame_of
 from aureole.flare.random_rays import Estimate, monte_carlo
@@ -88,6 +90,7 @@ __all__ = [
     "light_at",
     "light_on_picture",
     "load",
+    "merge_picture",
     "monte_carlo",
     "named",
     "only",

@@ -138,7 +138,7 @@ def straighten(values: F32, i: int, j: int, down: int, n: int) -> None:
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def drop_outside(
     x: F32, y: F32, weight: F32, width: float, height: float, sizes: I8, outside: NDArray[np.float64]
-) -> int:
+) -> None:
     """Drop blocks whose box does not meet the frame.
 
     Parameters
@@ -153,13 +153,7 @@ def drop_outside(
         Filled with -1 where a block is dropped.
     outside : ndarray, shape (W,)
         Filled with the dropped power: cells times mean weight.
-
-    Returns
-    -------
-    int
-        How many blocks stay.
     """
-    count = 0
     for w in range(sizes.shape[0]):
         lost = 0.0
         for i in range(sizes.shape[1]):
@@ -176,10 +170,7 @@ def drop_outside(
                 if right < ZERO or bottom < ZERO or left > width or top > height:
                     lost += 0.25 * light * n * n
                     sizes[w, i, j] = -1
-                else:
-                    count += 1
         outside[w] = lost
-    return count
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")

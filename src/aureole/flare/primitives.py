@@ -27,6 +27,8 @@ Flags = NDArray[np.bool_]
 Rays: TypeAlias = tuple[F32, F32, F32, F32]
 TESTS = ("none", "published", "correct")
 MOST_STEPS = 4
+# Of one primitive: corners, attributes, area, colour, ghost, size.
+BYTES = 4 * (8 + 16 + 4)
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,7 @@ class Merge:
 
     test: str = "correct"
     gamma: float = 0.001
-    position: float = 0.1
+    position: float = 0.5
     brightness: float = 0.02
     steps: int = MOST_STEPS
     stitch: bool = True
@@ -79,8 +81,8 @@ class Merge:
 # The paper's settings (section 5.6), and the bounds of ours that stand beside them.
 MERGES = {
     "none": Merge("none", steps=0, stitch=False),
-    "light": Merge(position=0.1, brightness=0.02),
-    "heavy": Merge(position=0.3, brightness=0.06),
+    "light": Merge(position=0.5, brightness=0.02),
+    "heavy": Merge(position=2.0, brightness=0.1),
     "published-light": Merge("published", gamma=0.001, stitch=False),
     "published-heavy": Merge("published", gamma=0.1, stitch=False),
 }
@@ -117,6 +119,15 @@ class Primitives:
     ghost: I32
     size: I32
     outside: NDArray[np.float64]
+
+
+class _How(NamedTuple):
+    """What is kept and merged."""
+
+    merge: Merge
+    crossed: bool
+    reach: float
+    clip: bool
 
 
 class _Blocks(NamedTuple):
@@ -164,6 +175,7 @@ def construct(
     keep: str = "crossed",
     reach: float = 1.0,
     ghosts: Sequence[int] | None = None,
+    clip: bool = True,
 ) -> Primitives:
     """Return the primitives of sheets of rays that may touch the frame.
 
@@ -188,6 +200,8 @@ def construct(
         the corners of their square.
     ghosts : sequence of int, optional
         Each sheet's ghost; otherwise the sheets are counted from 0.
+    clip : bool
+        Whether to leave out primitives that do not touch the frame.
 
     Returns
     -------
@@ -200,19 +214,46 @@ def construct(
         Where words, bounds or shapes are wrong.
     """
     grids: list[Sheet] = list(sheets) if isinstance(sheets, Sequence) else [sheets]
-    how = checked(merge)
-    crossed = refuse.one_of("keep", keep, ("crossed", "valid")) == "crossed"
-    refuse.positive("reach", reach)
+    how = _How(checked(merge), _crossed(keep), refuse.positive("reach", reach), clip)
     rows = _colour_rows(grids, colours)
     names = list(range(len(grids))) if ghosts is None else list(ghosts)
     refuse.shape_of("ghosts", names, (len(grids),))
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-        found = list(pool.map(lambda grid: _arrange(grid, frame, how, crossed, reach), grids))
+        found = list(pool.map(lambda grid: _arrange(grid, frame, how), grids))
         ends = np.cumsum([0, *(blocks.found for blocks in found)])
         whole = _empty(int(ends[-1]), np.array([blocks.outside for blocks in found]))
         parts = zip(grids, found, rows, names, ends[:-1].tolist(), strict=True)
         list(pool.map(lambda part: _fill(part, whole), parts))
     return whole
+
+
+def count(sheets: Sequence[Sheet], frame: Frame, merge: str | Merge = "none", keep: str = "crossed") -> int:
+    """Return how many primitives `construct` would make, without making them (Table 5).
+
+    Parameters
+    ----------
+    sheets : sequence of Sheet
+        Rays on a grid over the pupil.
+    frame : Frame
+        The picture.
+    merge : str or Merge
+        As in `construct`.
+    keep : {"crossed", "valid"}
+        As in `construct`.
+
+    Returns
+    -------
+    int
+        Each takes `BYTES` bytes.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a word or bound is wrong.
+    """
+    how = _How(checked(merge), _crossed(keep), 1.0, True)
+    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+        return sum(pool.map(lambda sheet: _arrange(sheet, frame, how).found, sheets))
 
 
 def checked(merge: str | Merge) -> Merge:
@@ -242,6 +283,10 @@ def checked(merge: str | Merge) -> Merge:
     return merge
 
 
+def _crossed(keep: str) -> bool:
+    return refuse.one_of("keep", keep, ("crossed", "valid")) == "crossed"
+
+
 def _colour_rows(grids: Sequence[Sheet], colours: Sequence[Sequence[int]] | None) -> list[I32]:
     """Return each sheet's colours, one a wavelength."""
     if colours is None:
@@ -254,7 +299,7 @@ def _colour_rows(grids: Sequence[Sheet], colours: Sequence[Sequence[int]] | None
     return [refuse.shape_of("colours", row, (len(grid.x),)).astype(np.int32) for grid, row in pairs]
 
 
-def _arrange(grid: Sheet, frame: Frame, how: Merge, crossed: bool, reach: float) -> _Blocks:
+def _arrange(grid: Sheet, frame: Frame, how: _How) -> _Blocks:
     """Return where a sheet's blocks begin: mark its cells, merge them, close cracks, drop what is outside."""
     x, y = np.array(grid.x, dtype=np.float32, order="C"), np.array(grid.y, dtype=np.float32, order="C")
     weight, level = _plain(grid.weight), _plain(grid.level)
@@ -262,15 +307,18 @@ def _arrange(grid: Sheet, frame: Frame, how: Merge, crossed: bool, reach: float)
     reached = np.ascontiguousarray(grid.reached)
     waves, rows, columns = x.shape
     sizes = np.empty((waves, rows - 1, columns - 1), dtype=np.int8)
-    whole, outside = np.empty(sizes.shape, dtype=np.bool_), np.empty(waves)
+    whole, outside = np.empty(sizes.shape, dtype=np.bool_), np.zeros(waves)
     # Numbers in single precision keep the loops in it.
     height, width = frame.shape
-    half: Any = np.array([0.5 * width, 0.5 * height, 1.0 / frame.pitch, reach], dtype=np.float32)
-    kernels.mark(x, y, rays, reached, half[:3], half[3], crossed, how.test == "correct", sizes, whole)
-    power = _merge(x, y, rays, frame, how, sizes, whole)
-    if how.stitch:
-        kernels.stitch(x, y, how.steps, sizes)
-    found = kernels.drop_outside(x, y, weight, 2 * half[0], 2 * half[1], sizes, outside)
+    half: Any = np.array([0.5 * width, 0.5 * height, 1.0 / frame.pitch, how.reach], dtype=np.float32)
+    convex = how.merge.test == "correct"
+    kernels.mark(x, y, rays, reached, half[:3], half[3], how.crossed, convex, sizes, whole)
+    power = _merge(x, y, rays, frame, how.merge, sizes, whole)
+    if how.merge.stitch:
+        kernels.stitch(x, y, how.merge.steps, sizes)
+    if how.clip:
+        kernels.drop_outside(x, y, weight, 2 * half[0], 2 * half[1], sizes, outside)
+    found = int(np.count_nonzero(sizes >= 0))
     return _Blocks(x, y, rays, reached, sizes, power, float(outside.sum()) * grid.cell, found)
 
 
