@@ -66,14 +66,15 @@ def edges_alike(
     x: F32, y: F32, i: int, j: int, down: int, right: int, n: int, units: F32, bound: float
 ) -> bool:
     """Return whether each edge of a block is like that of its neighbour by Eq. 12, signs and all."""
-    a, b, c, d = i, j, i, j + n
-    for _ in range(4):
-        # Edges around the block and its neighbour.
+    for edge in range(4):
+        # Top and bottom along the row, left and right down the column.
+        upright, far = edge & 1, n * (edge >> 1)
+        a, b = (i, j + far) if upright else (i + far, j)
+        c, d = (a + n, b) if upright else (a, b + n)
         ex = x[c, d] - x[a, b] - x[c + down, d + right] + x[a + down, b + right]
         ey = y[c, d] - y[a, b] - y[c + down, d + right] + y[a + down, b + right]
         if not ex * units[0] + ey * units[1] < bound:
             return False
-        a, b, c, d = c, d, i + n - (a - i), j + n - (b - j)
     return True
 
 

@@ -55,7 +55,7 @@ class Merge:
     ----------
     test : {"none", "published", "correct"}
         The published one is Eq. 12 as printed, in normalised device coordinates: 2 across the picture's width
-        and across its height, x to the right, y upward, of edges directed around each quad.
+        and across its height, x to the right, y upward, of edges along the grid's rows and columns.
     gamma : float
         Bound of the published test.
     position : float
