@@ -25,6 +25,7 @@ lights         lights by angle, by place on the picture, of a size, of a colour,
 ghost_colour   how a ghost's light goes with the wavelength between those traced
 energy         what each ghost carries by sheets of rays; ranked, chosen, compared with the image
 random_rays    the same by random rays: the truth
+blending       sheets at few wavelengths, drawn in many bands of colour
 iris           the stop's opening as a mask, with ringing or without
 render         all of it: lights in, the picture of the ghosts out, whole or ghost by ghost
 """

@@ -16,13 +16,14 @@ from scipy import ndimage
 
 from aureole import light, refuse
 from aureole.diffraction.ringing import RingingTexture
-from aureole.flare import energy, paraxial, primitives, pupil, raster, tracing
+from aureole.flare import blending, energy, paraxial, primitives, pupil, raster, tracing
+from aureole.flare.blending import Blend
 from aureole.flare.ghost_paths import GhostPath
 from aureole.flare.iris import StopMask, stop_mask
 from aureole.flare.lights import checked, place_on_picture, point_count, points_of, white_of
 from aureole.flare.prescription import Lens
 from aureole.flare.primitives import Primitives
-from aureole.flare.spectral import DEFAULT_WAVELENGTHS, Bands, Sampling, band_count, sample_spectrum
+from aureole.flare.spectral import DEFAULT_WAVELENGTHS, sample_spectrum
 from aureole.light.spaces import WHITE_KEY
 from aureole.records import Aperture, Light, Picture, Spectrum, Stage
 
@@ -87,7 +88,7 @@ class Options:
     iris: Iris | None = None
     wavelengths: int = DEFAULT_WAVELENGTHS
     blend: str = "blended"
-    band_step: float = 1.5
+    band_step: float = 3.0
     bands: int = 16
     grid: int = 64
     adapt: str = "bounds"
@@ -124,8 +125,7 @@ class _Source(NamedTuple):
 
     direction: tuple[float, float, float]
     scale: float
-    prepared: tracing.Prepared
-    sampling: Sampling
+    blend: Blend
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,30 +143,17 @@ class _Scene:
 
 
 class _Palette:
-    """The table of colours that primitives point into: rows for each light and number of bands."""
+    """The table of colours that primitives point into: rows for each ghost, light and band."""
 
     def __init__(self) -> None:
         self._blocks: list[NDArray[np.float64]] = []
-        self._starts: dict[tuple[int, float, int], int] = {}
-        self._bands: dict[tuple[int, int], Bands] = {}
         self._count = 0
 
-    def bands(self, sampling: Sampling, count: int) -> Bands:
-        """Return a light's bands, made once."""
-        key = id(sampling), count
-        if key not in self._bands:
-            self._bands[key] = sampling.bands(count)
-        return self._bands[key]
-
-    def rows(self, source: _Source, count: int) -> range:
-        """Return the rows of a light's bands, each XYZ times what its power counts."""
-        key = id(source.sampling), source.scale, count
-        colours = self.bands(source.sampling, count).colours
-        if key not in self._starts:
-            self._starts[key] = self._count
-            self._blocks.append(colours * source.scale)
-            self._count += len(colours)
-        return range(self._starts[key], self._starts[key] + len(colours))
+    def add(self, colours: NDArray[np.float64]) -> range:
+        """Add colours, (M, 3), and return their rows."""
+        self._blocks.append(colours)
+        self._count += len(colours)
+        return range(self._count - len(colours), self._count)
 
     def table(self) -> Pixels:
         """Return the whole table, shape (K, 3)."""
@@ -314,18 +301,17 @@ def _scene(lens: Lens, lights: Light | Sequence[Light], shape: tuple[int, int], 
     opened = _opened(lens, options.f_number, mask)
     paths = _paths(lens, options, given)
     sources: list[_Source] = []
-    tables: dict[int, tuple[Sampling, tracing.Prepared]] = {}
+    ready: dict[int, Blend] = {}
     for source in given:
         key = id(source.spectrum)
-        if key not in tables:
+        if key not in ready:
             sampling = sample_spectrum(source.spectrum, options.wavelengths, options.blend)
-            tables[key] = sampling, tracing.prepare(opened, sampling.wavelengths)
-        sampling, prepared = tables[key]
-        image = _image_luminance(prepared, sampling, _in_frame(lens, source, frame.shape), mask)
+            ready[key] = blending.prepare_blend(opened, sampling)
+        image = _image_luminance(ready[key], _in_frame(lens, source, frame.shape), mask)
         count = options.points or point_count(lens, source, frame.shape)
         for point in points_of(source, count):
             scale = point.irradiance * options.gain / image
-            sources.append(_Source(point.direction, scale, prepared, sampling))
+            sources.append(_Source(point.direction, scale, ready[key]))
     white = options.white or white_of(given)
     irradiance = sum(source.irradiance for source in given)
     return _Scene(lens, paths, frame, tuple(sources), mask, white, irradiance, options)
@@ -364,18 +350,14 @@ def _in_frame(lens: Lens, source: Light, shape: tuple[int, int]) -> tuple[float,
     return part * dx / length, part * dy / length, dz / length
 
 
-def _image_luminance(
-    prepared: tracing.Prepared, sampling: Sampling, direction: Sequence[float], mask: StopMask | None
-) -> float:
+def _image_luminance(blend: Blend, direction: Sequence[float], mask: StopMask | None) -> float:
     """Return the luminous power of a light's own image over its luminous irradiance, m²."""
-    bands = sampling.bands(1 if not sampling.blended else 32)
     for towards in (direction, AXIS):
-        powers = _image_powers(prepared, towards, mask)
-        luminous = float(bands.colours[:, 1] @ (bands.blend @ powers))
+        luminous = blending.image_luminance(blend, _image_powers(blend.prepared, towards, mask))
         # In a corner that the lens leaves dark, an image on the axis counts.
         if luminous > 0.0:
             return luminous
-    raise refuse.Refusal(f"'{prepared.lens.name}' lets no light through to its sensor.")
+    raise refuse.Refusal(f"'{blend.prepared.lens.name}' lets no light through to its sensor.")
 
 
 def _image_powers(
@@ -398,43 +380,11 @@ def _image_powers(
 def _primitives(scene: _Scene, source: _Source, paths: Sequence[GhostPath], palette: _Palette) -> Primitives:
     """Trace ghosts of one point of light and return their quads in all bands."""
     options = scene.options
-    sheets = pupil.sheets(source.prepared, paths, source.direction, options.grid, options.adapt)
-    grids, rows = [], []
-    for sheet in sheets:
-        count = _bands_needed(sheet, source.sampling, scene.frame.pitch, options)
-        grids.append(_blended(sheet, palette.bands(source.sampling, count)))
-        rows.append(palette.rows(source, count))
-    return primitives.construct(grids, scene.frame, rows, options.merge)
-
-
-def _bands_needed(sheet: pupil.Sheet, sampling: Sampling, pitch: float, options: Options) -> int:
-    """Return how many bands a ghost is drawn in, by how far its rays move over the spectrum."""
-    if not sampling.blended:
-        return 1
-    ends = sheet.passed[[0, -1]].any(axis=0) & sheet.reached.all(axis=0)
-    if not ends.any():
-        return band_count(0.0, options.band_step, options.bands)
-    shift = np.hypot(sheet.x[-1] - sheet.x[0], sheet.y[-1] - sheet.y[0])[ends].max()
-    return band_count(float(shift) / pitch, options.band_step, options.bands)
-
-
-def _blended(sheet: pupil.Sheet, bands: Bands) -> pupil.Sheet:
-    """Return a sheet at each band's wavelength, by interpolation between those traced."""
-    if bands.blend.shape[0] == bands.blend.shape[1] and np.array_equal(bands.blend, np.eye(len(bands.blend))):
-        return sheet
-    blend = bands.blend.astype(np.float32)
-    reached = sheet.reached[bands.nearest]
-    # Where a ray was lost at one wavelength, the nearest that was traced stands for it.
-    broken = ~sheet.reached.all(axis=0)
-    parts = []
-    for part in (sheet.x, sheet.y, sheet.weight, sheet.level, sheet.stop_x, sheet.stop_y):
-        mixed = np.tensordot(blend, part, axes=1)
-        if broken.any():
-            mixed[:, broken] = part[bands.nearest][:, broken]
-        parts.append(mixed)
-    x, y, weight, level, stop_x, stop_y = parts
-    weight = np.maximum(weight, np.float32(0.0))
-    return pupil.Sheet(sheet.path, x, y, weight, level, stop_x, stop_y, reached, sheet.cell)
+    prepared, step = source.blend.prepared, options.band_step * scene.frame.pitch
+    traced = pupil.sheets(prepared, paths, source.direction, options.grid, options.adapt)
+    sheets, colours = blending.in_bands(source.blend, traced, source.direction, step, options.bands)
+    rows = [palette.add(each * source.scale) for each in colours]
+    return primitives.construct(sheets, scene.frame, rows, options.merge)
 
 
 def _joined(parts: Sequence[Primitives]) -> Primitives:

@@ -22,8 +22,9 @@ LOW, HIGH = 400e-9, 700e-9
 DEFAULT_WAVELENGTHS = 4
 MOST_WAVELENGTHS = 64
 # Numbers of bands that a ghost may have: a colour table for each is made once.
-BAND_COUNTS = (8, 12, 16, 24, 32)
-STEP = 0.5e-9
+BAND_COUNTS = (4, 6, 8, 12, 16, 24, 32)
+# Width of the fine cells that bands are made of, metres.
+STEP = 1e-9
 
 Numbers = NDArray[np.float64]
 
@@ -42,12 +43,15 @@ class Bands:
         What a band takes of each traced wavelength; each row sums to 1.
     nearest : ndarray of int, shape (M,)
         The traced wavelength nearest to each band.
+    average : ndarray of float64, shape (M, C)
+        What each of the sampling's fine cells counts in its band; each row sums to 1.
     """
 
     wavelengths: Numbers
     colours: Numbers
     blend: Numbers
     nearest: NDArray[np.int64]
+    average: Numbers
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +134,7 @@ def band_count(shift: float, step: float, largest: int = BAND_COUNTS[-1]) -> int
     Returns
     -------
     int
-        One of 8, 12, 16, 24, 32.
+        One of 4, 6, 8, 12, 16, 24, 32.
     """
     allowed = [count for count in BAND_COUNTS if count <= max(largest, BAND_COUNTS[0])]
     return next((count for count in allowed if shift <= step * (count - 1)), allowed[-1])
@@ -153,11 +157,11 @@ def interpolation(traced: Numbers, wanted: Numbers) -> Numbers:
     """
     # Scaled to about 1, so that no product under- or overflows.
     known, sought = LOW / traced, LOW / wanted
-    weights = np.ones((len(wanted), len(traced)))
-    for k, here in enumerate(known):
-        for other in np.delete(known, k):
-            weights[:, k] *= (sought - other) / (here - other)
-    return weights
+    own = np.eye(len(known))
+    # For each node the product over all others; the node's own factor is 1.
+    above = sought[:, None, None] - known
+    below = known[:, None] - known
+    return np.asarray(np.prod((above * (1.0 - own) + own) / (below + own), axis=2))
 
 
 def _bands(sampling: Sampling, count: int) -> Bands:
@@ -170,18 +174,18 @@ def _bands(sampling: Sampling, count: int) -> Bands:
     else:
         band = np.searchsorted(0.5 * (traced[1:] + traced[:-1]), cells)
         count = len(traced)
-    colours = np.zeros((count, 3))
-    np.add.at(colours, band, sampling.colours)
-    mass = np.bincount(band, sampling.colours.sum(axis=1), count)
-    moment = np.bincount(band, cells * sampling.colours.sum(axis=1), count)
-    lit = mass > 0
-    colours = colours[lit]
-    nearest = np.arange(count)[lit]
+    member = np.zeros((count, len(cells)))
+    member[band, np.arange(len(cells))] = 1.0
+    average = member * sampling.colours.sum(axis=1)
+    lit = average.any(axis=1) if sampling.blended else np.ones(count, dtype=bool)
+    mass = average[lit].sum(axis=1, keepdims=True)
+    average = average[lit] / np.where(mass > 0.0, mass, 1.0)
+    colours = member[lit] @ sampling.colours
     if not sampling.blended:
-        return Bands(traced[lit], colours, np.eye(count)[lit], nearest)
-    means = moment[lit] / mass[lit]
+        return Bands(traced, colours, np.eye(count), np.arange(count), average)
+    means = average @ cells
     nearest = np.argmin(np.abs(means[:, None] - traced), axis=1)
-    return Bands(means, colours, interpolation(traced, means), nearest)
+    return Bands(means, colours, interpolation(traced, means), nearest, average)
 
 
 def _fine(spectrum: Spectrum) -> tuple[Numbers, Numbers]:
