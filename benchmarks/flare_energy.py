@@ -59,7 +59,7 @@ def strongest(name: str, count: int, sent: int, seed: int) -> None:
     lens = flare.load(name)
     source = lights.light_on_picture(lens, (1440, 720), (1080, 1920), light.line(GREEN))
     direction = source.direction
-    paths = energy.ranked(lens, flare.ghosts(lens, "all"), source)[:count]
+    paths = energy.ranked(lens, flare.ghosts(lens, "all"), source, within="plane")[:count]
     print(f"\n{name}, {sent:.0e} rays a ghost\n")
     print(
         f"{'':8}{'all':>10}{'±':>8}{'sheets':>9}{'sensor':>11}{'±':>8}{'sheets':>9}{'picture':>9}{'heavy':>9}"
@@ -94,7 +94,7 @@ def shares(name: str) -> None:
         lens = flare.with_coating(lens, PAPERS, cemented=True)
     half_diagonal = np.arctan(np.hypot(*lens.sensor) / 2 / lens.focal_length) / 2
     source = lights.light_at(half_diagonal, 0.0, light.line(GREEN))
-    every = energy.ranked(lens, flare.ghosts(lens, "all"), source, within="frame")
+    every = energy.ranked(lens, flare.ghosts(lens, "all"), source)
     carried = {path.reflections: path.energy or 0.0 for path in every}
     total = sum(carried.values())
     side = [carried[path.reflections] for path in flare.ghosts(lens)]

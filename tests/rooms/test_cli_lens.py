@@ -190,8 +190,10 @@ def test_ghosts_are_ranked_by_their_light(capsys):
     assert energies == sorted(energies, reverse=True)
     assert found["ghosts"][-2]["cumulative"] < 0.9 <= found["ghosts"][-1]["cumulative"]
     assert sum(energies) == pytest.approx(found["ghosts"][-1]["cumulative"] * found["ghost_to_image"])
-    side = told([*words, "--ghosts", "same-side", "--f-number", "8", "--on-sensor", "--json"], capsys)
+    side = told([*words, "--ghosts", "same-side", "--f-number", "8", "--everywhere", "--json"], capsys)
     assert len(side["ghosts"]) == 13
+    on_sensor = told([*words, "--ghosts", "same-side", "--f-number", "8", "--json"], capsys)
+    assert 0 < on_sensor["ghost_to_image"] < 0.5 * side["ghost_to_image"]
     assert side["ghosts"][-1]["cumulative"] == pytest.approx(1)
     assert run([*words, "--ghosts", "top:2"]) == 0
     text = capsys.readouterr().out

@@ -34,14 +34,16 @@ def test_ranked_ghosts_know_their_energy():
 def test_lights_count_by_their_irradiance():
     paths = flare.ghosts(HELIAR)[:3]
     lights = [GREEN, Light((0.0, 0.0, 1.0), light.illuminant("D65"), 3.0)]
-    powers = [energy.ghost_energies(HELIAR, paths, one, base=16) for one in lights]
+    powers = [energy.ghost_energies(HELIAR, paths, one, base=16, within="plane") for one in lights]
     # Shares of the image add up by what each light's image holds.
     images = [
         one.irradiance * energy.ghost_powers(HELIAR, [GhostPath(())], one.direction, 550e-9)[0, 0]
         for one in lights
     ]
     expected = (powers[0] * images[0] + powers[1] * images[1]) / sum(images)
-    np.testing.assert_allclose(energy.ghost_energies(HELIAR, paths, lights, base=16), expected, rtol=0.02)
+    np.testing.assert_allclose(
+        energy.ghost_energies(HELIAR, paths, lights, base=16, within="plane"), expected, rtol=0.02
+    )
 
 
 @pytest.mark.parametrize(
@@ -67,7 +69,7 @@ def test_words_choose_ghosts():
     four = energy.chosen(HELIAR, "top:4", GREEN)
     assert [path.name for path in four] == [path.name for path in every[:4]]
     for quick, careful in zip(four, every, strict=False):
-        assert quick.energy == pytest.approx(careful.energy, rel=0.02)
+        assert quick.energy == pytest.approx(careful.energy, rel=0.1)
     one_side = energy.chosen(HELIAR, "90%", GREEN, pool="same-side")
     total = energy.ghost_to_image(HELIAR, GREEN, "same-side", base=energy.RANKING_BASE)
     assert sum(path.energy for path in one_side) >= 0.9 * total > sum(p.energy for p in one_side[:-1])

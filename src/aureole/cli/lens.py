@@ -117,16 +117,16 @@ def ghosts(
     ] = "top:20",
     f_number: Annotated[float | None, typer.Option("--f-number", help="Wide open without it.")] = None,
     illuminant: options.Illuminant = "E",
-    on_sensor: Annotated[
-        bool, typer.Option("--on-sensor", help="Count only the light that falls on the sensor.")
+    everywhere: Annotated[
+        bool, typer.Option("--everywhere", help="Count light that misses the sensor, too.")
     ] = False,
     state: State = None,
     as_json: options.Json = False,
 ) -> None:
     """Rank a lens's ghosts by the light that they carry, as a part of that in the light's own image.
 
-    A ghost's name is its two reflecting surfaces. Energies are as the eye weighs wavelengths, of all the
-    light that reaches the sensor's plane.
+    A ghost's name is its two reflecting surfaces. Energies are as the eye weighs wavelengths, of what falls
+    on the sensor.
 
     Examples:
 
@@ -137,7 +137,7 @@ def ghosts(
     start = time.perf_counter()
     found, notes = flare.open_lens(lens, state)
     output.say_notes(notes)
-    within = "frame" if on_sensor else "plane"
+    within = "plane" if everywhere else "frame"
     report = jobs.lens_ghosts(found, _angles(light), which, f_number, illuminant, within)
     if as_json:
         output.report("ghosts", report, [], True, time.perf_counter() - start)

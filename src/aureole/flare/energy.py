@@ -23,8 +23,8 @@ from aureole.records import Light
 
 # Rays a side of a sheet: the energies of a lens's ten strongest ghosts are then right to a fraction of 1 %.
 BASE = 64
-WAVELENGTHS = 3
-# For an order of ghosts less will do: their energies are then right to 3 %.
+WAVELENGTHS = 4
+# For an order of ghosts less will do: most energies are then right to 5 %.
 RANKING_BASE, RANKING_WAVELENGTHS = 32, 1
 WITHIN = ("plane", "frame")
 # How many ghosts' sheets are held at once.
@@ -117,7 +117,7 @@ def ghost_energies(
     f_number: float | None = None,
     wavelengths: int = WAVELENGTHS,
     base: int = BASE,
-    within: str = "plane",
+    within: str = "frame",
 ) -> Numbers:
     """Return each ghost's light as a part of that in the lights' own image, as the eye weighs it.
 
@@ -136,7 +136,7 @@ def ghost_energies(
     base : int
         Rays along each side of each ghost's grid.
     within : {"plane", "frame"}
-        All that reaches the sensor's plane, or what falls on the sensor.
+        All that reaches the sensor's plane, or what falls on the sensor, as the image does.
 
     Returns
     -------
@@ -173,7 +173,7 @@ def ghost_to_image(
     f_number: float | None = None,
     wavelengths: int = WAVELENGTHS,
     base: int = BASE,
-    within: str = "plane",
+    within: str = "frame",
 ) -> float:
     """Return the light in a lens's ghosts over that in the lights' own image.
 
@@ -192,7 +192,7 @@ def ghost_to_image(
     base : int
         Rays along each side of each ghost's grid.
     within : {"plane", "frame"}
-        All that reaches the sensor's plane, or what falls on the sensor.
+        All that reaches the sensor's plane, or what falls on the sensor, as the image does.
 
     Returns
     -------
@@ -210,7 +210,7 @@ def ranked(
     f_number: float | None = None,
     wavelengths: int = WAVELENGTHS,
     base: int = BASE,
-    within: str = "plane",
+    within: str = "frame",
 ) -> list[GhostPath]:
     """Return ghosts with their energies, the strongest first.
 
@@ -229,7 +229,7 @@ def ranked(
     base : int
         Rays along each side of each ghost's grid.
     within : {"plane", "frame"}
-        All that reaches the sensor's plane, or what falls on the sensor.
+        All that reaches the sensor's plane, or what falls on the sensor, as the image does.
 
     Returns
     -------
@@ -298,7 +298,7 @@ def chosen(
     Returns
     -------
     list of GhostPath
-        With their energies where they were ranked, to about 3 %.
+        With their energies where they were ranked, to about 5 %.
 
     Raises
     ------
@@ -353,7 +353,7 @@ def _luminous(
     known = np.array_equal(traced, sampling.cells)
     found = np.zeros(len(paths))
     for together in _sheets(prepared, paths, direction, base):
-        curves = ghost_colour.curves(exact, together, direction)
+        curves = ghost_colour.curves(exact, together, direction, sensor)
         for sheet, curve in zip(together, curves, strict=True):
             power = sheet_energy(sheet, sensor)
             if not known:

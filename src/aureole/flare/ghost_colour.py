@@ -48,7 +48,12 @@ def prepare_curves(lens: Lens, sampling: Sampling, f_number: float | None = None
     return tracing.prepare(lens, nodes, f_number)
 
 
-def curves(prepared: tracing.Prepared, sheets: Sequence[pupil.Sheet], direction: ArrayLike) -> Numbers:
+def curves(
+    prepared: tracing.Prepared,
+    sheets: Sequence[pupil.Sheet],
+    direction: ArrayLike,
+    sensor: tuple[float, float] | None = None,
+) -> Numbers:
     """Return the mean weight of some rays of each ghost at the wavelengths of the curves.
 
     Parameters
@@ -59,13 +64,15 @@ def curves(prepared: tracing.Prepared, sheets: Sequence[pupil.Sheet], direction:
         The ghosts' rays, from `aureole.flare.pupil.sheets`.
     direction : array_like, shape (3,)
         From the lens towards the light.
+    sensor : tuple of float, optional
+        Width and height in metres: rays that land inside are taken where there are any.
 
     Returns
     -------
     ndarray, shape (G, 12)
         0 for a ghost by which no ray passes.
     """
-    points = np.array([_some(sheet) for sheet in sheets]).reshape(len(sheets), RAYS, 2)
+    points = np.array([_some(sheet, sensor) for sheet in sheets]).reshape(len(sheets), RAYS, 2)
     found = tracing.follow(prepared, [sheet.path for sheet in sheets], points, tracing.travel(direction))
     weight = np.where(found.reached, found.weight, 0.0)
     return np.asarray(weight.reshape(len(sheets), NODES, RAYS).mean(axis=2, dtype=np.float64))
@@ -99,15 +106,17 @@ def weight_blend(curve: Numbers, prepared: tracing.Prepared, traced: Numbers, wa
     return np.asarray(plain * np.maximum(sought, 0.0)[:, None] / known)
 
 
-def _some(sheet: pupil.Sheet) -> Numbers:
+def _some(sheet: pupil.Sheet, sensor: tuple[float, float] | None) -> Numbers:
     """Return the places in the pupil of some rays that pass, (RAYS, 2); of any, where none does."""
     _, rows, columns = sheet.x.shape
-    passing = np.flatnonzero(sheet.passed[len(sheet.x) // 2])
-    if not len(passing):
-        passing = np.flatnonzero(sheet.passed.any(axis=0))
-    if not len(passing):
-        passing = np.arange(rows * columns)
-    chosen = passing[np.linspace(0, len(passing) - 1, RAYS).round().astype(np.int64)]
+    middle = len(sheet.x) // 2
+    passing = sheet.passed
+    kinds = [passing[middle], passing.any(axis=0), np.ones((rows, columns), dtype=bool)]
+    if sensor is not None:
+        landed = (np.abs(sheet.x) <= sensor[0] / 2.0) & (np.abs(sheet.y) <= sensor[1] / 2.0)
+        kinds.insert(0, passing[middle] & landed[middle])
+    places = next(np.flatnonzero(kind) for kind in kinds if kind.any())
+    chosen = places[np.linspace(0, len(places) - 1, RAYS).round().astype(np.int64)]
     box = sheet.rectangle
     assert box is not None
     x = box.left + (box.right - box.left) * (chosen % columns) / (columns - 1)

@@ -17,7 +17,7 @@ def lens_ghosts(
     which: str = "top:20",
     f_number: float | None = None,
     illuminant: str = "E",
-    within: str = "plane",
+    within: str = "frame",
 ) -> dict[str, Any]:
     """Return a lens's ghosts for one light, the strongest first.
 
