@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from aureole import jobs, light, presets, refuse, units
-from aureole.cli import bench, lens, nearfield, options, output, runs
+from aureole.cli import bench, flare, lens, nearfield, options, output, runs
 from aureole.cli.options import FILES, ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, numbers, with_flags
 
@@ -165,6 +165,7 @@ def starburst(
 
 
 app.command()(nearfield.nearfield)
+app.command()(flare.flare)
 
 
 @app.command()

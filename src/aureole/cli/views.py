@@ -11,6 +11,8 @@ from aureole.records import Picture
 
 # No picture is made brighter by more: what is left is rounding.
 MOST_STOPS = 100.0
+# A flare on black: so many per cent of its lit pixels are no brighter than that; the most stops for it.
+FLARE_EXPOSURE = (98.0, 0.5, 60.0)
 
 
 def matte(path: Path, source: Picture) -> NDArray[np.float32]:
@@ -120,3 +122,23 @@ def irradiance(source: Picture, exposure: float | str) -> tuple[NDArray[np.float
         stops = float(exposure)
     over = float(np.mean(largest * 2.0**stops > 1))
     return picture.to_display(source, exposure=stops, tone="clip"), stops, over
+
+
+def flare(after: Picture, before: Picture | None) -> NDArray[np.float32]:
+    """Show a flare: over a picture at the exposure that suits the picture, on black as its ghosts need it.
+
+    Parameters
+    ----------
+    after : Picture
+        Linear; what is shown.
+    before : Picture, optional
+        Linear; the picture over which the flare lies.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns, 3)
+        Ready for a screen.
+    """
+    if before is not None:
+        return exposed(after, before)
+    return picture.to_display(after, exposure=picture.auto_exposure(after, *FLARE_EXPOSURE))

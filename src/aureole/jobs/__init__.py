@@ -2,25 +2,30 @@
 
 In: records of plain values, pictures. Out: `Stage`s, the last of which holds the job's result.
 
-optics        descriptions of apertures and cameras as people give them, made into records
-glare         the main job: a picture with the glare that a camera adds
-starburst     a point spread function, or a kernel for another program
-aperture      an aperture drawn, with its quadtree's counts
-near_field    the light on a plane behind an opening or an obstacle
-near_sweep    the same at many distances: planes, a strip of them, a section along the axis
-near_texture  a ringing texture for the ghosts of a lens
-measures      a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
-lens          a lens as numbers, and what looks wrong in it
-lens_ghosts   a lens's ghosts by their energy
-lens_drawing  a lens drawn, with rays and ghosts
-page          one page about a point spread function
-drawing       an aperture's quads drawn
-demo          the main job on the bundled scene
-run           run(job): the one door to all of them
+optics          descriptions of apertures and cameras as people give them, made into records
+glare           the main job: a picture with the glare that a camera adds
+starburst       a point spread function, or a kernel for another program
+aperture        an aperture drawn, with its quadtree's counts
+near_field      the light on a plane behind an opening or an obstacle
+near_sweep      the same at many distances: planes, a strip of them, a section along the axis
+near_texture    a ringing texture for the ghosts of a lens
+flare           the ghosts of a lens and the starbursts, for given lights, on black or over a picture
+flare_lights    its lights as people give them, measured or found in the picture
+flare_starburst its starbursts, where each light stands
+measures        a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
+lens            a lens as numbers, and what looks wrong in it
+lens_ghosts     a lens's ghosts by their energy
+lens_drawing    a lens drawn, with rays and ghosts
+page            one page about a point spread function
+drawing         an aperture's quads drawn
+demo            the main job on the bundled scene
+run             run(job): the one door to all of them
 """
 
 from aureole.jobs.aperture import ApertureJob, ApertureResult
 from aureole.jobs.demo import DemoJob, DemoResult
+from aureole.jobs.flare import FlareJob, FlareResult
+from aureole.jobs.flare_lights import Lamp
 from aureole.jobs.glare import GlareJob, GlareResult
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
@@ -46,8 +51,11 @@ __all__ = [
     "ApertureResult",
     "DemoJob",
     "DemoResult",
+    "FlareJob",
+    "FlareResult",
     "GlareJob",
     "GlareResult",
+    "Lamp",
     "NearFieldJob",
     "NearFieldResult",
     "NearFrame",

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from functools import singledispatch
 from typing import Any
 
-from aureole.jobs import aperture, demo, glare, near_field, near_sweep, near_texture, starburst
+from aureole.jobs import aperture, demo, flare, glare, near_field, near_sweep, near_texture, starburst
 from aureole.records import Stage
 
 
@@ -14,7 +14,7 @@ def run(job: Any) -> Iterator[Stage]:
 
     Parameters
     ----------
-    job : GlareJob, StarburstJob, ApertureJob, a near-field job or DemoJob
+    job : GlareJob, StarburstJob, ApertureJob, FlareJob, a near-field job or DemoJob
         What to do.
 
     Returns
@@ -28,6 +28,7 @@ def run(job: Any) -> Iterator[Stage]:
 run.register(glare.GlareJob, glare.run_glare)
 run.register(starburst.StarburstJob, starburst.run_starburst)
 run.register(aperture.ApertureJob, aperture.run_aperture)
+run.register(flare.FlareJob, flare.run_flare)
 run.register(near_field.NearFieldJob, near_field.run_near_field)
 run.register(near_sweep.NearSweepJob, near_sweep.run_near_sweep)
 run.register(near_sweep.NearSectionJob, near_sweep.run_near_section)

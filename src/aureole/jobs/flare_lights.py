@@ -1,0 +1,214 @@
+"""The lights of a flare as people give them, and the lights that they mean.
+
+A light's strength is what its own image sums to, in the picture's unit. Over a picture it is measured there:
+the pixels round the light's place that are a tenth as bright as the brightest of them, and join it.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from aureole import flare, light, refuse
+from aureole.flare.prescription import Lens
+from aureole.records import Light, Picture, Spectrum
+
+# Of the picture's width: how far from its place a light's brightest pixel may lie.
+SEARCH = 0.02
+# Of the brightest pixel: what still belongs to the light.
+EDGE = 0.1
+MOST_LIGHTS = 8
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A light as people give it.
+
+    Parameters
+    ----------
+    place : tuple of float
+        Angles to the right and downward, radians; or pixels from the picture's upper left corner, as it is
+        meant to be seen.
+    on_picture : bool
+        Whether the place is in pixels.
+    colour : tuple of float, optional
+        Linear red, green and blue; that of the picture at its place, else of the illuminant.
+    strength : float, optional
+        What its image sums to, in luminance; that of the picture at its place, else 1.
+    """
+
+    place: tuple[float, float]
+    on_picture: bool = False
+    colour: tuple[float, float, float] | None = None
+    strength: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Where lights stand and what is known of them.
+
+    Parameters
+    ----------
+    lens : Lens
+        Through which they are seen, its sensor as wide as the shape.
+    shape : tuple of int
+        (rows, columns) that the lens sees.
+    shown : tuple of int
+        Row and column in that shape of the first pixel that is meant to be seen; places count from there.
+    corner : tuple of int
+        Row and column in that shape of the picture's first pixel, which may lie beyond.
+    over : Picture, optional
+        The picture, in a space of `light.SPACES`.
+    illuminant : Spectrum
+        Of a light whose colour nothing says.
+    size : float
+        Of each light, radians across; 0 is a point.
+    """
+
+    lens: Lens
+    shape: tuple[int, int]
+    shown: tuple[int, int]
+    corner: tuple[int, int]
+    over: Picture | None
+    illuminant: Spectrum
+    size: float = 0.0
+
+
+def light_of(lamp: Lamp, scene: Scene) -> Light:
+    """Return the light that a lamp is.
+
+    Parameters
+    ----------
+    lamp : Lamp
+        As given.
+    scene : Scene
+        Where it stands.
+
+    Returns
+    -------
+    Light
+        With its spectrum and its strength as the irradiance.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where it is not in front of the lens, or the picture shows no light at its place.
+    """
+    if lamp.on_picture:
+        top, left = scene.shown
+        place = lamp.place[0] + left, lamp.place[1] + top
+        point = flare.light_on_picture(scene.lens, place, scene.shape)
+    else:
+        point = flare.light_at(*lamp.place)
+    seen: tuple[float, float, float] | None = None
+    if scene.over is not None and lamp.strength is None:
+        seen = measured(scene, point)
+    colour = lamp.colour or seen
+    strength = lamp.strength
+    if strength is None:
+        strength = 1.0 if seen is None else _luminance(seen, scene)
+    spectrum = scene.illuminant if colour is None else _spectrum(colour, scene)
+    return Light(point.direction, spectrum, refuse.positive("strength", strength), scene.size)
+
+
+def found_lights(scene: Scene, threshold: float, most: int = MOST_LIGHTS) -> list[Light]:
+    """Return the lights that the picture shows.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a picture.
+    threshold : float
+        Luminance of a pixel that belongs to a light.
+    most : int
+        So many of the brightest.
+
+    Returns
+    -------
+    list of Light
+        The brightest first.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where there is no picture, or nothing in it is as bright.
+    """
+    if scene.over is None:
+        raise refuse.Refusal("'find-lights' needs the picture in which to look: --over IN.exr.")
+    (rows, columns), (top, left) = scene.shape, scene.corner
+    height, width = scene.over.pixels.shape[:2]
+    whole = np.zeros((rows, columns, 3), np.float32)
+    whole[top : top + height, left : left + width] = scene.over.pixels[..., :3]
+    seen = Picture(whole, scene.over.colour_space)
+    found = flare.find_lights(seen, scene.lens, refuse.positive("find-lights", threshold), most)
+    if not found:
+        brightest = float(_luminances(seen).max())
+        raise refuse.Refusal(
+            f"'find-lights' finds nothing brighter than {threshold:g}; "
+            f"the brightest pixel is {brightest:.4g}."
+        )
+    return found
+
+
+def measured(scene: Scene, point: Light) -> tuple[float, float, float]:
+    """Return what the picture shows of a light: its pixels' sum.
+
+    Parameters
+    ----------
+    scene : Scene
+        With a picture.
+    point : Light
+        Towards the light.
+
+    Returns
+    -------
+    tuple of float
+        Red, green and blue, none negative.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the light stands off the picture, or the picture is black there.
+    """
+    assert scene.over is not None
+    x, y = flare.place_on_picture(scene.lens, point, scene.shape)
+    x, y = x - scene.corner[1], y - scene.corner[0]
+    rows, columns = scene.over.pixels.shape[:2]
+    if not (0 <= x < columns and 0 <= y < rows):
+        raise refuse.Refusal(
+            f"the light at {x:.0f},{y:.0f} pixels is off the picture, which cannot say how strong it is; "
+            "give --strength."
+        )
+    luminance = _luminances(scene.over)
+    reach = max(math.ceil(SEARCH * columns), 2)
+    top, left = max(int(y) - reach, 0), max(int(x) - reach, 0)
+    near = luminance[top : int(y) + reach + 1, left : int(x) + reach + 1]
+    brightest = np.unravel_index(np.argmax(near), near.shape)
+    peak = float(near[brightest])
+    if peak <= 0:
+        raise refuse.Refusal(f"the picture is black at {x:.0f},{y:.0f} pixels; give --strength.")
+    regions, _ = ndimage.label(luminance >= EDGE * peak, structure=np.ones((3, 3)))
+    lit = regions == regions[top + brightest[0], left + brightest[1]]
+    red, green, blue = np.maximum(scene.over.pixels[..., :3][lit].sum(axis=0, dtype=np.float64), 0.0)
+    return float(red), float(green), float(blue)
+
+
+def _luminances(source: Picture) -> NDArray[np.float64]:
+    weights = light.SPACES[source.colour_space].to_xyz[1]
+    return np.asarray(source.pixels[..., :3] @ weights, dtype=np.float64)
+
+
+def _luminance(colour: tuple[float, float, float], scene: Scene) -> float:
+    """Return Y relative to equal energy, in which spectra are summed."""
+    return float(light.to_xyz(np.asarray(colour), _space(scene))[1])
+
+
+def _spectrum(colour: tuple[float, float, float], scene: Scene) -> Spectrum:
+    largest = max(max(colour), 1e-30)
+    return flare.colour_spectrum([part / largest for part in colour], _space(scene))
+
+
+def _space(scene: Scene) -> str:
+    return "rec709" if scene.over is None else scene.over.colour_space
