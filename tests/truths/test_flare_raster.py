@@ -8,6 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from aureole.flare import raster
+from aureole.flare.barycentric import METHODS
 from aureole.flare.primitives import Frame, Primitives
 
 Numbers = NDArray[np.float64]
@@ -121,19 +122,47 @@ def test_a_disc_has_its_area(count: int) -> None:
     assert drawn(level).sum() * 80**2 / 4 == pytest.approx(part * math.pi * radius**2, rel=2e-3)
 
 
+@pytest.mark.parametrize("coordinates", METHODS)
+def test_a_middle_on_a_shared_edge_belongs_to_one_quad(coordinates: str) -> None:
+    # Corners and edges of the cells run through pixels' middles.
+    for sheet in (
+        cells(lambda u, v: (60.5 + 32 * u, 48.5 + 32 * v), 16),
+        cells(lambda u, v: (60.5 - 32 * u, 48.5 + 32 * v), 16),
+    ):
+        picture = drawn(sheet, coordinates=coordinates)
+        assert np.count_nonzero(picture) == 64**2
+        assert picture[picture > 0] == pytest.approx(4.0 / 64**2, rel=1e-5)
+    diamonds = cells(lambda u, v: (60.5 + 20 * (u + v), 48.5 + 20 * (u - v)), 10)
+    picture = drawn(diamonds, coordinates=coordinates)
+    assert np.count_nonzero(picture) == pytest.approx(80 * 40, abs=81)
+    assert picture[picture > 0] == pytest.approx(4.0 / 3200, rel=1e-5)
+
+
+@pytest.mark.parametrize("coordinates", METHODS)
+def test_coordinates_keep_most_power(coordinates: str) -> None:
+    sheet = cells(wavy(1, 35.0), 10, stop=lambda u, v: (1.2 * u, 1.2 * v))
+    picture, truth = drawn(sheet, coordinates=coordinates), drawn(sheet)
+    # Loop and DeRose's are not linear in quads that are no parallelograms.
+    assert picture.sum() == pytest.approx(truth.sum(), rel=3e-2 if coordinates == "loop-derose" else 3e-3)
+    assert np.abs(picture - truth)[30:60, 40:80].max() < 0.05 * truth.max()
+
+
+@pytest.mark.parametrize("coordinates", ["coverage", *METHODS])
 @pytest.mark.parametrize("fold", [0.0, 1.0])
-def test_tiles_show_what_the_reference_shows(fold: float) -> None:
+def test_tiles_show_what_the_reference_shows(fold: float, coordinates: str) -> None:
     # Three ghosts over one another, a large one beyond the frame among them, edged by stop and level.
     stop: Map = lambda u, v: (1.3 * u + 0.1, 1.3 * v)  # noqa: E731
     sheets = [cells(wavy(k, 15.0 * 3**k, fold), 20, stop=stop) for k in range(3)]
     whole = together(*sheets)
     colours = np.random.default_rng(1).random((3, 3))
-    truth = raster.rasterize(whole, colours, FRAME, "reference")
+    truth = raster.rasterize(whole, colours, FRAME, "reference", coordinates)
     assert truth.max() > 0
     for tiles in ((128, 64), (32, 8), (None, 16)):
-        found = raster.rasterize(whole, colours, FRAME, "tiles", tiles=tiles)
+        found = raster.rasterize(whole, colours, FRAME, "tiles", coordinates, tiles=tiles)
         assert np.abs(found - truth).max() <= 1e-5 * truth.max()
-    alone = [raster.rasterize(s, colours[k : k + 1], FRAME) for k, s in enumerate(sheets)]
+    alone = [
+        raster.rasterize(s, colours[k : k + 1], FRAME, "auto", coordinates) for k, s in enumerate(sheets)
+    ]
     assert np.abs(sum(alone) - truth).max() <= 1e-5 * truth.max()
 
 
@@ -161,3 +190,21 @@ def test_nothing_else_passes_where_the_level_is_above_one() -> None:
     sheet = cells(lambda u, v: (60.0 + 40 * u, 48.0 + 40 * v), 20)
     sheet.attributes[..., 1] = 1.6
     assert drawn(sheet).max() == 0.0
+
+
+@pytest.mark.parametrize("coordinates", ["coverage", "mean-value"])
+def test_quads_of_any_size_do_no_harm(coordinates: str) -> None:
+    # A quad far larger than all pictures, one far away, and one without area.
+    large = np.array([[-3e7, -2e7], [5e7, -2e7], [5e7, 4e7], [-3e7, 4e7]])
+    quads = np.stack([large, large * 1e4, large * 1e-12 + 5.0, large + 2e8, np.tile([[9.0, 7.0]], (4, 1))])
+    base = cells(lambda u, v: (u, v), 1)
+    rays = np.repeat(base.attributes, 5, 0)
+    rays[1, :, 2:] = [[-1e9, 1e9], [1e9, 1e9], [1e9, -1e9], [-1e9, -1e9]]
+    zero = np.zeros(5, np.int32)
+    whole = Primitives(
+        quads.astype(np.float32), rays, np.ones(5, np.float32), zero, zero, zero + 1, np.zeros(1)
+    )
+    picture = drawn(whole, coordinates=coordinates)
+    assert np.isfinite(picture).all()
+    assert picture.sum() == pytest.approx(2.0, rel=1e-4)
+    assert drawn(whole, coordinates=coordinates, iris=np.ones((8, 8))).sum() == pytest.approx(2.0, rel=1e-4)

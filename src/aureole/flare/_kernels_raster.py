@@ -18,11 +18,12 @@ F32 = NDArray[np.float32]
 I32 = NDArray[np.int32]
 # A number of single precision, and several.
 Real: TypeAlias = Any
+Three: TypeAlias = tuple[Real, Real, Real]
 Four: TypeAlias = tuple[Real, Real, Real, Real]
 Five: TypeAlias = tuple[Real, Real, Real, Real, Real]
 
 # What becomes of a primitive.
-SKIPPED, FLAT, CURVED, ROUGH = 0, 1, 2, 3
+SKIPPED, FLAT, EDGED, CURVED, ROUGH = 0, 1, 2, 3, 4
 # Numbers in a row of the table: edges' slopes in x and y and values, brightness and its slopes, orientation.
 ROW = 16
 # Most samples along a rough quad's side.
@@ -50,6 +51,13 @@ def ramp(distance: Real) -> Real:
 def strip(one: Real, other: Real) -> Real:
     """Return the part of a pixel that lies between two edges."""
     return max(ramp(one) + ramp(other) - ONE, ZERO)
+
+
+@numba.njit(cache=True, nogil=True, fastmath=FAST)
+def covered(e: Four, a: Four, b: Four, s: Real, t: Real) -> Real:
+    """Return the part of a pixel between two pairs of edges, of their values at a place and their slopes."""
+    across = strip(e[0] + a[0] * s + b[0] * t, e[2] + a[2] * s + b[2] * t)
+    return across * strip(e[1] + a[1] * s + b[1] * t, e[3] + a[3] * s + b[3] * t)
 
 
 @numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
@@ -130,9 +138,9 @@ def at(number: Four, u: Real, v: Real) -> Real:
 @numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 def slopes(middle: Five, number: Four) -> tuple[Real, Real]:
     """Return a bilinear number's slopes in x and y at the quad's middle."""
-    ux, uy, vx, vy, area = middle
+    ux, uy, vx, vy, density = middle
     along, across = number[1] + HALF * number[3], number[2] + HALF * number[3]
-    return (along * vy - across * uy) / area, (across * ux - along * vx) / area
+    return (along * vy - across * uy) * density, (across * ux - along * vx) * density
 
 
 @numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
@@ -152,6 +160,94 @@ def look_up(iris: F32, x: Real, y: Real) -> Real:
 
 
 @numba.njit(inline="always")
+def open_part(sx: Real, sy: Real, rates: Four) -> Real:
+    """Return the part of a pixel that lies inside a round stop, of the stop's slopes over the pixel."""
+    r = math.sqrt(sx * sx + sy * sy) + NEAR
+    rate = abs(sx * rates[0] + sy * rates[2]) + abs(sx * rates[1] + sy * rates[3]) + TINY
+    return ramp((ONE - r) * r / rate)
+
+
+@numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+def transmit(iris: F32, x: Three, y: Three, passed: F32) -> None:
+    """Fill what an iris lets through at 4×4 pixels, of the planes of the place on the stop."""
+    for k in range(16):
+        s, t = np.float32(k & 3), np.float32(k >> 2)
+        passed[k] = look_up(iris, x[0] + x[1] * s + x[2] * t, y[0] + y[1] * s + y[2] * t)
+
+
+@numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+def plane(middle: Five, number: Four, x: Real, y: Real) -> tuple[Real, Real, Real]:
+    """Return a number's value at a place relative to the quad's middle, and its slopes in x and y."""
+    in_x, in_y = slopes(middle, number)
+    return at(number, HALF, HALF) + in_x * x + in_y * y, in_x, in_y
+
+
+@numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
+def lay_edged(
+    row: F32, box: I32, corners: F32, rays: F32, iris: F32, window: I32, target: F32, passed: F32
+) -> None:
+    """Lay a quad in which brightness, level and place on the stop are planes, and that light partly passes.
+
+    Parameters
+    ----------
+    row, box, window, target : ndarray
+        As in `lay_flat`.
+    corners : ndarray of float32, shape (4, 2)
+        Pixels.
+    rays : ndarray of float32, shape (4, 4)
+        Weight, level, stop_x and stop_y of each corner.
+    iris : ndarray of float32, shape (rows, columns)
+        Transmission over the stop; (0, 0) for a round one.
+    passed : ndarray of float32, shape (48,)
+        Used.
+    """
+    turned, is_round = row[15] < ZERO, iris.shape[0] == 0
+    xs, ys = spread(corners[:, 0], turned), spread(corners[:, 1], turned)
+    ux, uy, vx, vy = xs[1] + HALF * xs[3], ys[1] + HALF * ys[3], xs[2] + HALF * xs[3], ys[2] + HALF * ys[3]
+    middle = ux, uy, vx, vy, ONE / (ux * vy - uy * vx)
+    x, y = np.float32(box[0]) + HALF - at(xs, HALF, HALF), np.float32(box[1]) + HALF - at(ys, HALF, HALF)
+    l0, lx, ly = plane(middle, spread(rays[:, 1], turned), x, y)
+    p0, px, py = plane(middle, spread(rays[:, 2], turned), x, y)
+    q0, qx, qy = plane(middle, spread(rays[:, 3], turned), x, y)
+    steep, rates = ONE / (abs(lx) + abs(ly) + TINY), (px, py, qx, qy)
+    a0, a1, a2, a3 = row[0], row[1], row[2], row[3]
+    b0, b1, b2, b3 = row[4], row[5], row[6], row[7]
+    a, b = (a0, a1, a2, a3), (b0, b1, b2, b3)
+    d0, dx, dy = row[12], row[13], row[14]
+    left, top = max(box[0], window[0]) >> 2, max(box[1], window[1]) >> 2
+    right, bottom = (min(box[2], window[2]) + 3) >> 2, (min(box[3], window[3]) + 3) >> 2
+    for i in range(top, bottom):
+        for j in range(left, right):
+            x, y = np.float32(4 * j - box[0]), np.float32(4 * i - box[1])
+            e0, e1 = row[8] + a0 * x + b0 * y, row[9] + a1 * x + b1 * y
+            e2, e3 = row[10] + a2 * x + b2 * y, row[11] + a3 * x + b3 * y
+            inner = min(
+                min(e0 + PART_MIDDLE * (a0 + b0), e1 + PART_MIDDLE * (a1 + b1)),
+                min(e2 + PART_MIDDLE * (a2 + b2), e3 + PART_MIDDLE * (a3 + b3)),
+            )
+            if inner <= -PART_REACH:
+                continue
+            bright, level = d0 + dx * x + dy * y, l0 + lx * x + ly * y
+            on_x, on_y = p0 + px * x + py * y, q0 + qx * x + qy * y
+            block = target[(i >> 1) - (window[1] >> 3), (j >> 1) - (window[0] >> 3)]
+            part = 16 * (2 * (i & 1) + (j & 1))
+            pixels = block[part : part + 16]
+            e, behind = (e0, e1, e2, e3), ((ONE - level) * steep, -lx * steep, -ly * steep)
+            if is_round:
+                for k in range(16):
+                    s, t = np.float32(k & 3), np.float32(k >> 2)
+                    shown = covered(e, a, b, s, t) * ramp(behind[0] + behind[1] * s + behind[2] * t)
+                    inside = open_part(on_x + px * s + py * t, on_y + qx * s + qy * t, rates)
+                    pixels[k] += shown * inside * max(bright + dx * s + dy * t, ZERO)
+                continue
+            transmit(iris, (on_x, px, py), (on_y, qx, qy), passed)
+            for k in range(16):
+                s, t = np.float32(k & 3), np.float32(k >> 2)
+                shown = covered(e, a, b, s, t) * ramp(behind[0] + behind[1] * s + behind[2] * t)
+                pixels[k] += shown * passed[k] * max(bright + dx * s + dy * t, ZERO)
+
+
+@numba.njit(inline="always")
 def cell_at(qx: Real, qy: Real, xs: Four, ys: Four, least: Real) -> tuple[Real, Real, Real]:
     """Return u, v of a place relative to the first corner, and the area of a unit cell there.
 
@@ -166,40 +262,36 @@ def cell_at(qx: Real, qy: Real, xs: Four, ys: Four, least: Real) -> tuple[Real, 
     return min(max(u, -ONE), TWO), v, cell
 
 
-@numba.njit(inline="always")
-def open_part(sx: Real, sy: Real, rates: Four) -> Real:
-    """Return the part of a pixel that lies inside a round stop, of the stop's slopes over the pixel."""
-    r = math.sqrt(sx * sx + sy * sy) + NEAR
-    rate = abs(sx * rates[0] + sy * rates[2]) + abs(sx * rates[1] + sy * rates[3]) + TINY
-    return ramp((ONE - r) * r / rate)
-
-
 @numba.njit(cache=True, nogil=True, fastmath=FAST, error_model="numpy")
 def lay_curved(
-    row: F32, box: I32, corners: F32, rays: F32, area: Real, iris: F32, window: I32, target: F32
+    row: F32,
+    box: I32,
+    corners: F32,
+    rays: F32,
+    area: Real,
+    iris: F32,
+    window: I32,
+    target: F32,
+    found: F32,
 ) -> None:
     """Lay a convex quad whose brightness is curved, or that light only partly passes.
 
     Parameters
     ----------
-    row, box, window, target : ndarray
-        As in `lay_flat`.
-    corners : ndarray of float32, shape (4, 2)
-        Pixels.
-    rays : ndarray of float32, shape (4, 4)
-        Weight, level, stop_x and stop_y of each corner.
+    row, box, corners, rays, iris, window, target : ndarray
+        As in `lay_edged`.
     area : float
         Pupil's area, m².
-    iris : ndarray of float32, shape (rows, columns)
-        Transmission over the stop; (0, 0) for a round one.
+    found : ndarray of float32, shape (48,)
+        Used.
     """
     turned, is_round = row[15] < ZERO, iris.shape[0] == 0
     xs, ys = spread(corners[:, 0], turned), spread(corners[:, 1], turned)
     weight, level = spread(rays[:, 0], turned), spread(rays[:, 1], turned)
     stop_x, stop_y = spread(rays[:, 2], turned), spread(rays[:, 3], turned)
     ux, uy, vx, vy = xs[1] + HALF * xs[3], ys[1] + HALF * ys[3], xs[2] + HALF * xs[3], ys[2] + HALF * ys[3]
-    middle = ux, uy, vx, vy, ux * vy - uy * vx
-    least, found = np.float32(0.05) * middle[4], np.empty(48, np.float32)
+    middle = ux, uy, vx, vy, ONE / (ux * vy - uy * vx)
+    least = np.float32(0.05) * (ux * vy - uy * vx)
     # How fast level and place on the stop change over the picture, for the width of the ramps on their edges.
     change, in_x, in_y = slopes(middle, level), slopes(middle, stop_x), slopes(middle, stop_y)
     steep, rates = ONE / (abs(change[0]) + abs(change[1]) + TINY), (in_x[0], in_x[1], in_y[0], in_y[1])
@@ -264,7 +356,7 @@ def lay_rough(corners: F32, rays: F32, area: Real, plain: bool, iris: F32, windo
     for k in range(4):
         dx, dy = corners[k, 0] - corners[k - 1, 0], corners[k, 1] - corners[k - 1, 1]
         longest = max(longest, dx * dx + dy * dy)
-    count = min(math.ceil(math.sqrt(longest)), MOST_SAMPLES)
+    count = math.ceil(min(math.sqrt(longest), np.float32(MOST_SAMPLES)))
     count = max(count, 1 if plain else 4)
     step = ONE / np.float32(count)
     for i in range(count):
@@ -302,9 +394,11 @@ def lay_box(x: Real, y: Real, wide: Real, high: Real, power: Real, window: I32, 
     if high_x <= window[0] or low_x >= window[2] or high_y <= window[1] or low_y >= window[3]:
         return
     dense = power / ((high_x - low_x) * (high_y - low_y))
-    for i in range(max(math.floor(low_y), window[1]), min(math.ceil(high_y), window[3])):
+    left, right = max(low_x, np.float32(window[0])), min(high_x, np.float32(window[2]))
+    top, bottom = max(low_y, np.float32(window[1])), min(high_y, np.float32(window[3]))
+    for i in range(math.floor(top), math.ceil(bottom)):
         in_y = min(np.float32(i + 1), high_y) - max(np.float32(i), low_y)
-        for j in range(max(math.floor(low_x), window[0]), min(math.ceil(high_x), window[2])):
+        for j in range(math.floor(left), math.ceil(right)):
             in_x = min(np.float32(j + 1), high_x) - max(np.float32(j), low_x)
             k = ((i >> 2 & 1) << 5) + ((j >> 2 & 1) << 4) + ((i & 3) << 2) + (j & 3)
             target[(i - window[1]) >> 3, (j - window[0]) >> 3, k] += dense * in_x * in_y

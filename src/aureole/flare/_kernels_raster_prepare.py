@@ -6,7 +6,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole.flare._kernels_raster import CURVED, FLAT, ROUGH, SKIPPED
+from aureole.flare._kernels_raster import CURVED, EDGED, FLAT, ROUGH, SKIPPED
 
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
@@ -17,6 +17,10 @@ I32 = NDArray[np.int32]
 SMALLEST_AREA, SMALLEST_CORNER = 1.0, 0.1
 # Part of the brightness that a plane may leave unsaid.
 FLAT_ENOUGH = 0.005
+# Pixels by which planes of level and place on the stop may move an edge of light.
+STRAIGHT = 0.1
+# Radii of the stop beyond which nothing is of interest.
+FAR = 1e3
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -63,8 +67,8 @@ def prepare(
             continue
         for k in range(2):
             # Ramps of two edges reach a little beyond their corner.
-            boxes[p, k] = max(math.floor(low[k]) - 1, 0)
-            boxes[p, 2 + k] = min(math.floor(high[k]) + 2, frame[k])
+            boxes[p, k] = math.floor(max(low[k] - 1, 0.0))
+            boxes[p, 2 + k] = math.floor(min(high[k] + 2, float(frame[k])))
         area = edges(quad, boxes[p], sides, turns, table[p])
         extremes(rays[p], low, high)
         margins(rays[p], sides, area, low, high)
@@ -76,7 +80,9 @@ def prepare(
             least, most = min(least, turns[k]), max(most, turns[k])
         if area >= SMALLEST_AREA and least > SMALLEST_CORNER * most:
             unsaid = brightness(quad, rays[p], areas[p], area, boxes[p], sides, turns, table[p])
-            kinds[p] = FLAT if passing == FLAT and unsaid <= FLAT_ENOUGH else CURVED
+            kinds[p] = CURVED
+            if unsaid <= FLAT_ENOUGH and (passing == FLAT or twist(quad, rays[p], sides, area) <= STRAIGHT):
+                kinds[p] = FLAT if passing == FLAT else EDGED
         else:
             kinds[p] = -ROUGH if passing == FLAT else ROUGH
 
@@ -140,6 +146,8 @@ def what_passes(low: F64, high: F64, opened: I32) -> int:
             return SKIPPED
         x, y = max(abs(low[2]), abs(high[2])), max(abs(low[3]), abs(high[3]))
         return FLAT if high[1] <= 1.0 and x * x + y * y <= 1.0 else CURVED
+    for k in range(2, 4):
+        low[k], high[k] = min(max(low[k], -FAR), FAR), min(max(high[k], -FAR), FAR)
     # Samples of the iris that a look-up in the quad can touch.
     j0, j1 = math.floor((low[2] + 1) * 0.5 * columns - 0.5), math.floor((high[2] + 1) * 0.5 * columns + 1.5)
     i0, i1 = math.floor((low[3] + 1) * 0.5 * rows - 0.5), math.floor((high[3] + 1) * 0.5 * rows + 1.5)
@@ -155,6 +163,21 @@ def what_passes(low: F64, high: F64, opened: I32) -> int:
         if found == samples and k == 1:
             kind = SKIPPED
     return kind
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def twist(quad: F32, rays: F32, sides: F64, area: float) -> float:
+    """Return by how many pixels an edge of light moves where a quad's bilinear numbers become planes."""
+    ux, uy = 0.5 * (sides[0, 0] - sides[2, 0]), 0.5 * (sides[0, 1] - sides[2, 1])
+    vx, vy = 0.5 * (sides[1, 0] - sides[3, 0]), 0.5 * (sides[1, 1] - sides[3, 1])
+    moved = 0.25 * max(abs(sides[0, 0] + sides[2, 0]), abs(sides[0, 1] + sides[2, 1]))
+    for k in range(1, 4):
+        along = 0.5 * (rays[1, k] + rays[2, k] - rays[0, k] - rays[3, k])
+        across = 0.5 * (rays[3, k] + rays[2, k] - rays[0, k] - rays[1, k])
+        slope = (abs(along * vy - across * uy) + abs(across * ux - along * vx)) / area
+        bent = 0.25 * abs(rays[0, k] - rays[1, k] + rays[2, k] - rays[3, k])
+        moved = max(moved, bent / (slope + 1e-9))
+    return float(moved)
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")

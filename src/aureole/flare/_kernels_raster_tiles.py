@@ -7,7 +7,16 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole.flare._kernels_raster import CURVED, FLAT, SKIPPED, lay_curved, lay_flat, lay_rough
+from aureole.flare._kernels_raster import (
+    CURVED,
+    EDGED,
+    FLAT,
+    SKIPPED,
+    lay_curved,
+    lay_edged,
+    lay_flat,
+    lay_rough,
+)
 
 F32 = NDArray[np.float32]
 I8 = NDArray[np.int8]
@@ -118,6 +127,7 @@ def sweep(
     out : ndarray of float32, shape (rows, columns, 3)
         Filled in the windows.
     """
+    found = np.empty(48, np.float32)
     for w in range(first, last):
         window = windows[w]
         high, wide = (window[3] - window[1] + 7) >> 3, (window[2] - window[0] + 7) >> 3
@@ -130,8 +140,10 @@ def sweep(
             widen(touched, boxes[p])
             if kinds[p] == FLAT:
                 lay_flat(table[p], boxes[p], window, bare)
+            elif kinds[p] == EDGED:
+                lay_edged(table[p], boxes[p], corners[p], rays[p], iris, window, bare, found)
             elif kinds[p] == CURVED:
-                lay_curved(table[p], boxes[p], corners[p], rays[p], areas[p], iris, window, bare)
+                lay_curved(table[p], boxes[p], corners[p], rays[p], areas[p], iris, window, bare, found)
             elif kinds[p] != SKIPPED:
                 lay_rough(corners[p], rays[p], areas[p], kinds[p] < 0, iris, window, bare)
         if starts[w + 1] > starts[w]:

@@ -24,8 +24,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from aureole import refuse
 from aureole.flare import _kernels_raster as layers
+from aureole.flare import _kernels_raster_points as points
 from aureole.flare import _kernels_raster_prepare as numbers
 from aureole.flare import _kernels_raster_tiles as kernels
+from aureole.flare import barycentric
 from aureole.flare.primitives import Frame, Primitives
 
 F32 = NDArray[np.float32]
@@ -33,7 +35,8 @@ I32 = NDArray[np.int32]
 I64 = NDArray[np.int64]
 
 METHODS = ("auto", "reference", "tiles")
-COORDINATES = ("auto", "coverage")
+# Ours covers pixels by area; the others ask at their middles, with the coordinates of the tile paper.
+COORDINATES = ("auto", "coverage", *barycentric.METHODS)
 # Sides of coarse and dense tiles, pixels.
 COARSE, DENSE = 128, 64
 # Blocks in which kernels keep pixels, and in how many bands the reference cuts the picture.
@@ -102,9 +105,11 @@ def rasterize(
         The picture.
     method : {"auto", "reference", "tiles"}
         "auto" is tiles.
-    coordinates : {"auto", "coverage"}
-        How a pixel's part and the numbers inside a quad are found. "auto" is coverage: how much of the pixel
-        the quad covers, and planes or the undone bilinear map.
+    coordinates : {"auto", "coverage", "triangle", "homogeneous", "mean-value", ...}
+        How a pixel's part and the numbers inside a quad are found. "coverage" is ours: how much of the pixel
+        the quad covers, and planes or the undone bilinear map. The others decide by the pixel's middle, and
+        take the numbers by barycentric coordinates. "auto" is coverage: it keeps power where quads are small,
+        and its loops have no branches, so that it is the fastest, too.
     iris : array_like, shape (rows, columns), optional
         Transmission over the square [-1, 1]² of the stop's plane, x along columns and y along rows, bilinear
         between samples, 0 outside; otherwise the iris is round.
@@ -146,7 +151,7 @@ def rasterize_timed(
         The picture.
     method : {"auto", "reference", "tiles"}
         How.
-    coordinates : {"auto", "coverage"}
+    coordinates : str
         Inside a quad.
     iris : array_like, shape (rows, columns), optional
         Transmission of the stop.
@@ -166,7 +171,7 @@ def rasterize_timed(
         As for `rasterize`.
     """
     tiled = refuse.one_of("method", method, METHODS) != "reference"
-    refuse.one_of("coordinates", coordinates, COORDINATES)
+    inside = refuse.one_of("coordinates", coordinates, COORDINATES)
     palette, mask, sides = _checked(primitives, colours, iris, tiles)
     clock = [time.perf_counter()]
     ready = _prepare(primitives, mask, frame)
@@ -187,8 +192,11 @@ def rasterize_timed(
     picture = np.empty((*frame.shape, 3), dtype=np.float32)
     arrays = (primitives.corners, primitives.attributes, primitives.area, passes, primitives.colour)
     sweep: Any = kernels.sweep
-    known = (*ready, *arrays, palette, mask, *lists)
-    _in_parts(lambda first, last: sweep(*known, first, last, picture), len(lists.windows))
+    known: tuple[Any, ...] = (*ready, *arrays, palette, mask)
+    if inside in barycentric.METHODS:
+        sweep, way = points.sweep_points, list(barycentric.METHODS).index(inside)
+        known = (ready.kinds, ready.boxes, *arrays, palette, mask, way)
+    _in_parts(lambda first, last: sweep(*known, *lists, first, last, picture), len(lists.windows))
     clock.append(time.perf_counter())
     preparing, listing, refining, laying = np.diff(clock).tolist()
     sizes = len(coarse.items), len(lists.items)
