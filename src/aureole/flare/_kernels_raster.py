@@ -356,7 +356,8 @@ def lay_rough(corners: F32, rays: F32, area: Real, plain: bool, iris: F32, windo
     for k in range(4):
         dx, dy = corners[k, 0] - corners[k - 1, 0], corners[k, 1] - corners[k - 1, 1]
         longest = max(longest, dx * dx + dy * dy)
-    count = math.ceil(min(math.sqrt(longest), np.float32(MOST_SAMPLES)))
+    sides: Real = min(math.sqrt(longest), np.float32(MOST_SAMPLES))
+    count = math.ceil(sides)
     count = max(count, 1 if plain else 4)
     step = ONE / np.float32(count)
     for i in range(count):
