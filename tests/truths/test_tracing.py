@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from aureole import flare, refuse
-from aureole.flare import glass, paraxial, pupil, rays, tracing
+from aureole.flare import coating, glass, paraxial, primitives, probes, pupil, rays, tracing
 from aureole.flare.prescription import Lens, Surface
 
 load = cache(flare.load)
@@ -36,7 +36,7 @@ def scattered(sheet_bounds, count=300, seed=1):
 
 @pytest.mark.parametrize("name", LENSES)
 def test_rays_are_those_of_the_truth(name):
-    """Places to 0.1 µm (a pixel is 19 µm), weights to 5e-4, for some of the ghosts across the stop, too."""
+    """Places on the picture to 1 µm (a pixel is 19 µm), weights to 3e-4, across the stop, too."""
     lens = load(name)
     compared = 0
     for path in [(), *(ghost.reflections for ghost in flare.ghosts(lens, "all")[:: LENSES[name]])]:
@@ -46,18 +46,23 @@ def test_rays_are_those_of_the_truth(name):
         points = scattered(box)
         found = tracing.trace(prepared(name), path, points, SLANT)
         for w, wavelength in enumerate(WAVES):
-            slow = truth(lens, path, points, SLANT, wavelength)
-            np.testing.assert_array_equal(found.passed[w], slow.passed)
-            lit = slow.passed
-            compared += lit.sum()
-            landed = np.column_stack([found.x[w, lit], found.y[w, lit]])
-            np.testing.assert_allclose(landed, slow.positions[lit, :2], atol=1e-7)
-            np.testing.assert_allclose(found.weight[w, lit], rays.power(lens, slow)[lit], rtol=5e-4)
-            stop = np.column_stack([found.stop_x[w, lit], found.stop_y[w, lit]])
-            np.testing.assert_allclose(stop, rays.stop_points(lens, slow)[lit], atol=1e-6)
-            radius = np.maximum(found.level[w], np.hypot(found.stop_x[w], found.stop_y[w]))
-            np.testing.assert_allclose(radius[lit], slow.relative_radius[lit], atol=1e-6)
+            compared += compare(lens, found, w, truth(lens, path, points, SLANT, wavelength))
     assert compared > 500
+
+
+def compare(lens, found, w, slow):
+    """Assert that rays at one wavelength are those of the slow tracer; return how many were compared."""
+    sure = np.abs(slow.relative_radius - 1.0) > 1e-4
+    np.testing.assert_array_equal(found.passed[w][sure], slow.passed[sure])
+    lit = slow.passed & sure
+    np.testing.assert_allclose(found.weight[w, lit], rays.power(lens, slow)[lit], rtol=3e-4)
+    stop = np.column_stack([found.stop_x[w, lit], found.stop_y[w, lit]])
+    np.testing.assert_allclose(stop, rays.stop_points(lens, slow)[lit], atol=5e-5)
+    np.testing.assert_allclose(found.radius[w, lit], slow.relative_radius[lit], atol=5e-5)
+    shown = lit & (np.abs(slow.positions[:, 0]) < lens.sensor[0])
+    landed = np.column_stack([found.x[w, shown], found.y[w, shown]])
+    np.testing.assert_allclose(landed, slow.positions[shown, :2], atol=1e-6, rtol=1e-4)
+    return shown.sum()
 
 
 def test_an_asphere_and_a_conic_are_those_of_the_truth():
@@ -75,10 +80,7 @@ def test_an_asphere_and_a_conic_are_those_of_the_truth():
     for path in ((), (4, 3), (1, 0), (3, 1)):
         found = tracing.trace(tables, path, points, SLANT)
         slow = truth(lens, path, points, SLANT, 550e-9)
-        np.testing.assert_array_equal(found.passed[0], slow.passed)
-        assert slow.passed.sum() > 20
-        landed = np.column_stack([found.x[0], found.y[0]])[slow.passed]
-        np.testing.assert_allclose(landed, slow.positions[slow.passed, :2], atol=1e-8)
+        assert compare(lens, found, 0, slow) > 20
 
 
 def test_mirrored_light_gives_a_mirrored_sheet():
@@ -88,9 +90,9 @@ def test_mirrored_light_gives_a_mirrored_sheet():
     found = tracing.trace(tables, path, points, (0.1, 0.04, 1.0))
     other = tracing.trace(tables, path, points * (-1.0, 1.0), (-0.1, 0.04, 1.0))
     np.testing.assert_array_equal(found.passed, other.passed)
-    np.testing.assert_allclose(found.x, -other.x, atol=1e-9)
-    np.testing.assert_allclose(found.y, other.y, atol=1e-9)
-    np.testing.assert_allclose(found.weight, other.weight, rtol=1e-6)
+    np.testing.assert_array_equal(found.x, -other.x)
+    np.testing.assert_array_equal(found.y, other.y)
+    np.testing.assert_array_equal(found.weight, other.weight)
 
 
 @pytest.mark.parametrize("name", sorted(LENSES)[::2])
@@ -143,6 +145,61 @@ def test_the_image_s_power_is_that_of_the_truth_s_rays():
     cell = (half / 75) ** 2 / np.linalg.norm(SLANT)
     expected = np.sum(rays.power(lens, slow) * slow.passed) * cell
     assert pupil.image_power(prepared(name), SLANT)[0] == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize("name", ["heliar_tronnier_100mm", "canon_tele_zoom_135mm"])
+def test_points_between_rays_lie_where_a_frame_s_pixels_want_them(name):
+    """Rays through the middles of a sheet's cells, against the mean of the cell's corners."""
+    lens, frame = load(name), primitives.Frame((270, 480), 0.036 / 480)
+    paths = flare.ghosts(lens, "same-side")[:: LENSES[name]]
+    strayed, counts = [], []
+    for sheet in pupil.sheets(prepared(name), paths, SLANT, base=128, frame=frame, error=0.5):
+        (left, top, right, bottom), (rows, columns) = sheet.rectangle, sheet.x.shape[1:]
+        step = (right - left) / (columns - 1) / 2, (bottom - top) / (rows - 1) / 2
+        middles = left + step[0], top + step[1], right - step[0], bottom - step[1]
+        points = probes.points_of(middles, (rows - 1, columns - 1))
+        between = tracing.trace(prepared(name), sheet.path, points, SLANT)
+        off = []
+        for landed, corners in ((between.x, sheet.x), (between.y, sheet.y)):
+            mean = corners[:, :-1, :-1] + corners[:, 1:, :-1] + corners[:, :-1, 1:] + corners[:, 1:, 1:]
+            off.append(landed.reshape(len(WAVES), rows - 1, columns - 1) - mean / 4)
+        corners = sheet.passed
+        passed = corners[:, :-1, :-1] & corners[:, 1:, :-1] & corners[:, :-1, 1:] & corners[:, 1:, 1:]
+        beside = np.maximum(np.abs(between.x) / 0.018, np.abs(between.y) / 0.010125).reshape(passed.shape)
+        strayed.append(np.hypot(*off)[passed & (beside < 1)] / frame.pitch)
+        counts.append(rows * columns)
+    strayed = np.concatenate(strayed)
+    assert np.quantile(strayed, 0.99) < 1.0
+    assert np.median(counts) < 0.5 * 128**2
+
+
+def test_the_paper_s_grids_cover_the_front_and_shrink_with_the_ghost():
+    tables, base = prepared("heliar_tronnier_100mm"), 64
+    paths = flare.ghosts(load("heliar_tronnier_100mm"))
+    made = pupil.sheets(tables, paths, SLANT, base=base, adapt="paper")
+    sides = [sheet.x.shape[1] for sheet in made]
+    assert len({sheet.rectangle for sheet in made}) == 1
+    assert min(sides) >= round(0.05 * base)
+    for sheet, side in zip(made, sides, strict=True):
+        lit = sheet.passed
+        if lit.sum() < 200:
+            continue
+        part = np.ptp(sheet.x[lit]) * np.ptp(sheet.y[lit]) / (0.036 * 0.024)
+        assert side / base == pytest.approx(np.clip(np.sqrt(part), 0.05, 1.0), rel=0.15)
+
+
+def test_a_coating_does_the_same_from_either_side():
+    """R and T at one angle in the medium of the lower index, from that side and from the other."""
+    layers, dense = (
+        [coating.quarter_wave(1.38, 550e-9), coating.quarter_wave(2.1, 550e-9)],
+        glass.of_numbers(1.8),
+    )
+    cosines = np.linspace(0.05, 1.0, 40)
+    inside = np.sqrt(1.0 - (1.0 - cosines**2) / 1.8**2)
+    for wavelength in WAVES:
+        there = coating.reflectance(layers, glass.AIR, dense, cosines, wavelength)
+        back = coating.reflectance(layers[::-1], dense, glass.AIR, inside, wavelength)
+        np.testing.assert_allclose(there, back, atol=1e-12)
 
 
 def test_refusals_name_what_is_wrong():

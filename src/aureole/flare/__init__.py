@@ -14,7 +14,8 @@ lint           what looks wrong in a prescription
 importers      lens files of other programs; import_*: one format a file, `import_draft` makes a lens of it
 rays           real rays, one loop for every way: the truth for faster tracers
 tracing        the same compiled: many rays, wavelengths and ghosts at a time
-pupil          which part of the pupil makes a ghost, and regular grids of rays over it
+probes         coarse rays: which part of the pupil makes a ghost, and how finely it must be sampled
+pupil          regular grids of rays over each ghost's part of the pupil
 primitives     quads of a ray grid that carry light into the picture, merged where none is missed; the frame
 merge_picture  the outlines of a ghost's primitives, coloured by how many cells they were merged of
 barycentric    how much each corner of a quad says about a point in it: the tile paper's ways and the bilinear

@@ -1,25 +1,26 @@
-"""Where rays must enter to make a ghost, and grids of rays there.
+"""Where rays must enter to make a ghost, and regular grids of rays there.
 
 Few of the rays that meet the front of a lens come through by a ghost's way (2 to 30 %). `bounds` finds the
-rectangle of the pupil that holds them all; `sheets` lays a regular grid over it for each ghost.
+rectangle of the pupil that holds them all; `sheets` lays a grid over it for each ghost, no finer than needed.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from aureole import refuse
-from aureole.flare import rays, tracing
-from aureole.flare.tracing import Flags, Numbers, Path, Prepared, Rays, Singles
+from aureole.flare import probes, tracing
+from aureole.flare.tracing import Flags, Landed, Numbers, Path, Prepared, Singles
+
+if TYPE_CHECKING:
+    from aureole.flare.primitives import Frame
 
 ADAPTS = ("bounds", "paper")
-# Rays along each side of the first grid over the front, of the following ones, and how many follow.
-COARSE, FINE, ROUNDS = 48, 24, 4
-# A ray that did not arrive counts as this far outside.
-LOST = 1e3
+# The tile paper's numbers in Eq. 13: the least part of the base grid, and the power of the ratio of areas.
+PAPER_LEAST, PAPER_POWER = 0.05, 0.5
 
 
 class Rectangle(NamedTuple):
@@ -38,7 +39,7 @@ class Rectangle(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class Sheet(Landed):
     """A ghost's regular grid of rays as it lands on the sensor.
 
     Parameters
@@ -68,11 +69,6 @@ class Sheet:
     cell: float
     rectangle: Rectangle | None = None
 
-    @property
-    def passed(self) -> Flags:
-        """Whether each ray reached the sensor through all semi-apertures and a round iris."""
-        return self.reached & (self.level <= 1.0) & (self.stop_x**2 + self.stop_y**2 <= 1.0)
-
 
 def bounds(prepared: Prepared, path: Path, direction: ArrayLike) -> Rectangle | None:
     """Return a rectangle of the pupil that holds every ray that passes by a way.
@@ -96,38 +92,8 @@ def bounds(prepared: Prepared, path: Path, direction: ArrayLike) -> Rectangle | 
     refuse.Refusal
         Where the light stands behind the lens, or the reflections are no way through it.
     """
-    return all_bounds(prepared, [path], direction)[0]
-
-
-def all_bounds(prepared: Prepared, paths: Sequence[Path], direction: ArrayLike) -> list[Rectangle | None]:
-    """Return what `bounds` does, for many ways at a time.
-
-    Parameters
-    ----------
-    prepared : Prepared
-        The lens.
-    paths : sequence
-        The ways.
-    direction : array_like, shape (3,)
-        From the lens towards the light, z > 0.
-
-    Returns
-    -------
-    list of Rectangle or None
-        One a way.
-    """
-    along = tracing.travel(direction)
-    half = _reach(prepared, along)
-    boxes = np.tile([-half, -half, half, half], (len(paths), 1))
-    found = np.zeros(len(paths), dtype=bool)
-    open_ = np.arange(len(paths))
-    for turn in range(ROUNDS):
-        side = FINE if turn else COARSE
-        boxes[open_], keep, found[open_] = _narrowed(prepared, paths, boxes, open_, along, side)
-        open_ = open_[keep]
-        if not len(open_):
-            break
-    return [Rectangle(*map(float, box)) if hit else None for box, hit in zip(boxes, found, strict=True)]
+    found = probes.probe(prepared, [path], tracing.travel(direction))
+    return Rectangle(*found.boxes[0].tolist()) if len(found.lit) else None
 
 
 def sheets(
@@ -136,6 +102,8 @@ def sheets(
     direction: ArrayLike,
     base: int = 64,
     adapt: str = "bounds",
+    frame: "Frame | None" = None,
+    error: float = 0.25,
 ) -> list[Sheet]:
     """Trace a regular grid of rays for each of many ghosts.
 
@@ -148,9 +116,15 @@ def sheets(
     direction : array_like, shape (3,)
         From the lens towards the light, z > 0.
     base : int
-        Rays along each side.
+        Rays along each side; the most of them where `frame` is given.
     adapt : {"bounds", "paper"}
-        Over each ghost's own part of the pupil, or over the whole front of the lens as in the tile paper.
+        Over each ghost's own part of the pupil, or over the whole front of the lens with as many rays as the
+        tile paper's Eq. 13 asks for: base · min(max((ghost's area / sensor's area)^½, 0.05), 1).
+    frame : Frame, optional
+        The picture. With "bounds" each ghost gets only the part of the pupil that lands on it, and only so
+        many rays that points between them lie where they should.
+    error : float
+        How far such a point may lie off, pixels; in the mean of fourth powers.
 
     Returns
     -------
@@ -160,21 +134,23 @@ def sheets(
     Raises
     ------
     refuse.Refusal
-        Where the light stands behind the lens, a path is no way through it, or the base is below 2.
+        Where the light stands behind the lens, a path is no way through it, or the base is below 5.
     """
     refuse.one_of("adapt", adapt, ADAPTS)
-    side = refuse.at_least("base", base, 2)
+    most = refuse.at_least("base", base, 5)
+    refuse.positive("error", error)
     along = tracing.travel(direction)
-    boxes = all_bounds(prepared, paths, direction)
-    lit = [k for k, box in enumerate(boxes) if box is not None]
-    half = _reach(prepared, along)
-    whole = Rectangle(-half, -half, half, half)
-    used = [whole if adapt == "paper" else boxes[k] or whole for k in lit]
-    points = _grids(np.array(used).reshape(-1, 4), side)
-    chosen = [paths[k] for k in lit]
-    found = tracing.follow(prepared, chosen, points, along)
-    pairs = enumerate(zip(chosen, used, strict=True))
-    return [_sheet(path, tracing.taken(found, k), box, side, along) for k, (path, box) in pairs]
+    window = _window(frame) if adapt == "bounds" else None
+    found = probes.probe(prepared, paths, along, window)
+    if adapt == "paper":
+        shapes = _paper_shapes(found, prepared.lens.sensor, most)
+        boxes = np.tile(probes.whole(prepared, along), (len(shapes), 1))
+    else:
+        shapes = [(most, most)] * len(found.lit)
+        if frame is not None:
+            shapes = probes.shapes_for(found, most, frame.pitch, error)
+        boxes = _widened(found.boxes, np.array(shapes).reshape(-1, 2))
+    return _traced(prepared, [paths[k] for k in found.lit], boxes, shapes, along)
 
 
 def image_power(prepared: Prepared, direction: ArrayLike, side: int = 256) -> Numbers:
@@ -203,93 +179,62 @@ def image_power(prepared: Prepared, direction: ArrayLike, side: int = 256) -> Nu
     made = sheets(prepared, [()], direction, base=side)
     if not made:
         return np.zeros(len(prepared.wavelengths))
-    sheet = made[0]
-    inside = _inside(_merit(sheet))
-    return np.asarray(np.sum(inside * sheet.weight, axis=(1, 2), dtype=np.float64) * sheet.cell)
+    inside = _inside(made[0].radius)
+    return np.asarray(np.sum(inside * made[0].weight, axis=(1, 2), dtype=np.float64) * made[0].cell)
 
 
-def _sheet(path: Path, found: Rays, box: Rectangle, side: int, along: Numbers) -> Sheet:
-    """Return one path's rays as a sheet of as many columns as rows."""
-    cell = (box.right - box.left) * (box.bottom - box.top) / (side - 1) ** 2 * float(along[2])
-    shape = (-1, side, side)
-    x, y, weight, level = (part.reshape(shape) for part in (found.x, found.y, found.weight, found.level))
-    stop_x, stop_y = found.stop_x.reshape(shape), found.stop_y.reshape(shape)
-    return Sheet(path, x, y, weight, level, stop_x, stop_y, found.reached.reshape(shape), cell, box)
+def _window(frame: "Frame | None") -> tuple[float, float] | None:
+    """Return half the width and height of the picture, and half a pixel for what straddles its border."""
+    if frame is None:
+        return None
+    rows, columns = frame.shape
+    return (columns + 1) * frame.pitch / 2, (rows + 1) * frame.pitch / 2
 
 
-def _reach(prepared: Prepared, along: Numbers) -> float:
-    """Return half the side of a square of the pupil in which all rays cross that meet the front surface."""
-    front = prepared.lens.surfaces[0]
-    shapes = rays.shapes_of(prepared.lens)
-    rim = np.array([[front.semi_aperture * (1.0 if front.cylinder != "y" else 0.0), 0.0, 0.0]])
-    rim[0, 1] = front.semi_aperture if front.cylinder == "y" else 0.0
-    sag = abs(float(rays.sag_of(shapes, np.array([0]), rim)[0][0]))
-    slant = max(abs(float(along[0])), abs(float(along[1]))) / float(along[2])
-    return (front.semi_aperture + sag * slant) * 1.001
+def _paper_shapes(found: probes.Probes, sensor: tuple[float, float], base: int) -> list[tuple[int, int]]:
+    """Return the sizes of the tile paper's grids (Eq. 13 with σ = 1 and φ = 1/2)."""
+    passed = found.merit <= 1.0
+    spans = []
+    for values in (found.rays.x, found.rays.y):
+        least = np.where(passed, values, np.inf).min(axis=(1, 2, 3))
+        spans.append(np.where(passed, values, -np.inf).max(axis=(1, 2, 3)) - least)
+    part = (spans[0] * spans[1] / (sensor[0] * sensor[1])) ** PAPER_POWER
+    sides = np.rint(base * np.clip(part, PAPER_LEAST, 1.0)).astype(int)
+    return [(side, side) for side in sides.tolist()]
 
 
-def _narrowed(
+def _widened(boxes: Numbers, shapes: Numbers) -> Numbers:
+    """Return boxes with one more cell on each side, so that what an edge cuts can be interpolated."""
+    cells = np.column_stack([shapes[:, 1], shapes[:, 0]]) - 3.0
+    more = (boxes[:, 2:] - boxes[:, :2]) / cells
+    return np.concatenate([boxes[:, :2] - more, boxes[:, 2:] + more], axis=1)
+
+
+def _traced(
     prepared: Prepared,
     paths: Sequence[Path],
     boxes: Numbers,
-    open_: NDArray[np.int64],
+    shapes: Sequence[tuple[int, int]],
     along: Numbers,
-    side: int,
-) -> tuple[Numbers, Flags, Flags]:
-    """Return boxes around what passes, which of them may shrink further, and where something passes."""
-    points = _grids(boxes[open_], side)
-    found = tracing.follow(prepared, [paths[k] for k in open_], points, along)
-    merit = _merit(found)
-    # Rays pass at any of the wavelengths.
-    merit = merit.min(axis=1).reshape(-1, side, side)
-    near = _hopeful(merit)
-    step = (boxes[open_, 2:] - boxes[open_, :2]) / (side - 1)
-    fresh = np.empty((len(open_), 4))
-    for axis, other in ((0, 1), (1, 2)):
-        lit = np.asarray(near.any(axis=other), dtype=np.bool_)
-        first, last = lit.argmax(axis=1), side - 1 - lit[:, ::-1].argmax(axis=1)
-        fresh[:, axis] = boxes[open_, axis] + (first - 1) * step[:, axis]
-        fresh[:, axis + 2] = boxes[open_, axis] + (last + 1) * step[:, axis]
-    fresh[:, :2] = np.maximum(fresh[:, :2], boxes[open_, :2] - step)
-    old_area = np.prod(boxes[open_, 2:] - boxes[open_, :2], axis=1)
-    area = np.prod(fresh[:, 2:] - fresh[:, :2], axis=1)
-    passes = merit.min(axis=(1, 2)) <= 1.0
-    alive = np.asarray(near.any(axis=(1, 2)), dtype=np.bool_)
-    return np.where(alive[:, None], fresh, boxes[open_]), alive & (area < 0.7 * old_area), passes
+) -> list[Sheet]:
+    """Trace a grid over each path's box."""
+    if not paths:
+        return []
+    counts = [rows * columns for rows, columns in shapes]
+    points = np.concatenate([probes.points_of(box, shape) for box, shape in zip(boxes, shapes, strict=True)])
+    found = tracing.follow(prepared, paths, counts, points, along)
+    made, first, waves = [], 0, len(prepared.wavelengths)
+    for path, box, (rows, columns) in zip(paths, boxes.tolist(), shapes, strict=True):
+        part = found.part(first, (waves, rows, columns))
+        first += waves * rows * columns
+        cell = (box[2] - box[0]) / (columns - 1) * (box[3] - box[1]) / (rows - 1) * float(along[2])
+        values = part.x, part.y, part.weight, part.level, part.stop_x, part.stop_y, part.reached
+        made.append(Sheet(path, *values, cell, Rectangle(*box)))
+    return made
 
 
-def _hopeful(merit: Singles) -> Flags:
-    """Return the rays that pass or next to which one might, by how fast the merit changes there."""
-    spread = np.zeros_like(merit)
-    arrived = merit < LOST
-    for axis in (1, 2):
-        change = np.abs(np.diff(merit, axis=axis))
-        both = np.delete(arrived, 0, axis=axis) & np.delete(arrived, -1, axis=axis)
-        change = np.where(both, change, 0.0)
-        low, high = [(0, 0)] * 3, [(0, 0)] * 3
-        low[axis], high[axis] = (1, 0), (0, 1)
-        spread += np.maximum(np.pad(change, low), np.pad(change, high))
-    return np.asarray(merit - spread <= 1.0, dtype=np.bool_)
-
-
-def _merit(found: Rays | Sheet) -> Singles:
-    """Return how far each ray lies from the outermost one that passes: 1 on the rim."""
-    radius = np.maximum(found.level, np.hypot(found.stop_x, found.stop_y))
-    return np.where(found.reached, radius, np.float32(LOST))
-
-
-def _inside(merit: Singles) -> Singles:
-    """Return which part of the cell around each ray passes, from the merit and its slopes."""
-    near = np.minimum(merit, 3.0)
+def _inside(radius: Singles) -> Singles:
+    """Return which part of the cell around each ray passes, from how far out it goes and its slopes."""
+    near = np.minimum(radius, 3.0)
     slope = np.abs(np.gradient(near, axis=1)) + np.abs(np.gradient(near, axis=2))
-    return np.asarray(np.clip(0.5 + (1.0 - merit) / np.maximum(slope, 1e-9), 0.0, 1.0), dtype=np.float32)
-
-
-def _grids(boxes: Numbers, side: int) -> Numbers:
-    """Return the points of a regular grid over each box, shape (G, side * side, 2), rows along y."""
-    part = np.linspace(0.0, 1.0, side)
-    x = boxes[:, :1] + part * (boxes[:, 2:3] - boxes[:, :1])
-    y = boxes[:, 1:2] + part * (boxes[:, 3:4] - boxes[:, 1:2])
-    points = np.empty((len(boxes), side, side, 2))
-    points[..., 0], points[..., 1] = x[:, None, :], y[:, :, None]
-    return points.reshape(len(boxes), side * side, 2)
+    return np.asarray(np.clip(0.5 + (1.0 - radius) / np.maximum(slope, 1e-9), 0.0, 1.0), dtype=np.float32)

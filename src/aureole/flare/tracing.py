@@ -7,8 +7,11 @@ glass does is Fresnel's formulas themselves. `trace_reference` is the truth.
 """
 
 import functools
+import math
+import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,8 +27,10 @@ Singles = NDArray[np.float32]
 Flags = NDArray[np.bool_]
 Path = GhostPath | Sequence[int]
 
-# Rays of one piece of work: enough to outlast its start, few enough to share among threads.
-PIECE = 4096
+# Rays of one piece of work and pieces that a thread takes at a time: enough to outlast their start.
+PIECE, TOGETHER = 4096, 4
+# How far out a ray that did not arrive counts.
+LOST = np.float32(1e3)
 # Coefficients of the polynomials of coatings, and the angles that they are fitted at.
 TERMS, NODES = 12, 48
 
@@ -48,7 +53,7 @@ class Prepared:
         Coefficients of r⁴, r⁶, ...
     indices : ndarray, shape (W, S + 1)
         Of the media before each surface and behind the last.
-    shares : ndarray, shape (W, S, 2, TERMS)
+    shares : ndarray of float32, shape (W, S, 2, TERMS)
         Polynomials in 2 cos - 1 of what coatings let through and throw back.
     """
 
@@ -58,11 +63,31 @@ class Prepared:
     shapes: Numbers
     aspheres: Numbers
     indices: Numbers
-    shares: Numbers
+    shares: Singles
+
+
+class Landed:
+    """What rays and sheets of rays know alike."""
+
+    level: Singles
+    stop_x: Singles
+    stop_y: Singles
+    reached: Flags
+
+    @property
+    def radius(self) -> Singles:
+        """How far out each ray goes: 1 on the rim of a surface or of a round iris, LOST where it is lost."""
+        stop = np.sqrt(self.stop_x**2 + self.stop_y**2)
+        return np.where(self.reached, np.maximum(self.level, stop), LOST)
+
+    @property
+    def passed(self) -> Flags:
+        """Whether each ray reached the sensor through all semi-apertures and a round iris."""
+        return np.asarray(self.radius <= 1.0, dtype=np.bool_)
 
 
 @dataclass(frozen=True, eq=False)
-class Rays:
+class Rays(Landed):
     """Where rays of one way land, for W wavelengths and N rays (or rows and columns of them).
 
     Parameters
@@ -89,10 +114,19 @@ class Rays:
     stop_y: Singles
     reached: Flags
 
-    @property
-    def passed(self) -> Flags:
-        """Whether each ray reached the sensor through all semi-apertures and a round iris, shape (W, N)."""
-        return self.reached & (self.level <= 1.0) & (self.stop_x**2 + self.stop_y**2 <= 1.0)
+    def taken(self, which: NDArray[np.intp]) -> "Rays":
+        """Return those of a first axis."""
+        x, y, weight, level = self.x[which], self.y[which], self.weight[which], self.level[which]
+        return Rays(x, y, weight, level, self.stop_x[which], self.stop_y[which], self.reached[which])
+
+    def part(self, first: int, shape: tuple[int, ...]) -> "Rays":
+        """Return a run of rays that lie along one axis, as arrays of a shape."""
+        run = slice(first, first + math.prod(shape))
+        x, y, weight, level, stop_x, stop_y = (
+            values[run].reshape(shape)
+            for values in (self.x, self.y, self.weight, self.level, self.stop_x, self.stop_y)
+        )
+        return Rays(x, y, weight, level, stop_x, stop_y, self.reached[run].reshape(shape))
 
 
 def prepare(lens: Lens, wavelengths: ArrayLike, f_number: float | None = None) -> Prepared:
@@ -134,6 +168,26 @@ def prepare(lens: Lens, wavelengths: ArrayLike, f_number: float | None = None) -
     return Prepared(lens, waves, radius, shapes, found.asphere, indices, _shares(lens, indices, waves))
 
 
+def at(prepared: Prepared, which: Sequence[int]) -> Prepared:
+    """Return a lens's tables at some of their wavelengths.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The lens.
+    which : sequence of int
+        Places among its wavelengths.
+
+    Returns
+    -------
+    Prepared
+        Of as many wavelengths.
+    """
+    few = list(which)
+    waves, indices, shares = prepared.wavelengths[few], prepared.indices[few], prepared.shares[few]
+    return replace(prepared, wavelengths=waves, indices=indices, shares=shares)
+
+
 def trace(prepared: Prepared, path: Path, points: ArrayLike, direction: ArrayLike) -> Rays:
     """Trace parallel rays by the image's way or a ghost's.
 
@@ -159,7 +213,8 @@ def trace(prepared: Prepared, path: Path, points: ArrayLike, direction: ArrayLik
         Where the light stands behind the lens, or the reflections are no way through it.
     """
     places = refuse.all_finite("points", refuse.shape_of("points", points, (None, 2))).astype(np.float64)
-    return taken(follow(prepared, [path], places[None], travel(direction)), 0)
+    found = follow(prepared, [path], [len(places)], places, travel(direction))
+    return found.part(0, (len(prepared.wavelengths), len(places)))
 
 
 def travel(direction: ArrayLike) -> Numbers:
@@ -203,7 +258,9 @@ def reflections(path: Path) -> tuple[int, ...]:
     return path.reflections if isinstance(path, GhostPath) else tuple(path)
 
 
-def follow(prepared: Prepared, paths: Sequence[Path], points: Numbers, along: Numbers) -> Rays:
+def follow(
+    prepared: Prepared, paths: Sequence[Path], counts: Sequence[int], points: Numbers, along: Numbers
+) -> Rays:
     """Trace a set of points for each of many paths, as one piece of work for all threads.
 
     Parameters
@@ -211,62 +268,51 @@ def follow(prepared: Prepared, paths: Sequence[Path], points: Numbers, along: Nu
     prepared : Prepared
         The lens.
     paths : sequence
-        G of them.
-    points : ndarray, shape (G, N, 2)
-        Pupil coordinates for each path, metres.
+        The ways.
+    counts : sequence of int
+        Points of each path.
+    points : ndarray, shape (sum of counts, 2)
+        Pupil coordinates, path after path, metres.
     along : ndarray, shape (3,)
         Unit vector of travel, from `travel`.
 
     Returns
     -------
     Rays
-        Arrays of shape (G, W, N).
+        Arrays of one axis: path after path, for each all wavelengths, for each all points.
     """
-    count, waves = points.shape[1], len(prepared.wavelengths)
+    waves = len(prepared.wavelengths)
     ways = [np.array(steps(prepared.lens, reflections(path)), dtype=np.int64) for path in paths]
     ends = np.cumsum([0, *(len(way) for way in ways)])
+    starts = np.cumsum([0, *counts])
     pieces = []
-    for g in range(len(paths)):
-        for start in range(0, count, PIECE):
-            size, way = min(PIECE, count - start), (ends[g], ends[g + 1])
-            first = g * count + start
-            pieces += [(first, size, w, *way, (g * waves + w) * count + start) for w in range(waves)]
-    total = len(paths) * waves * count
+    for g, count in enumerate(counts):
+        for k in range(0, count, PIECE):
+            size, way, first = min(PIECE, count - k), (ends[g], ends[g + 1]), starts[g] + k
+            pieces += [(first, size, w, *way, starts[g] * waves + w * count + k) for w in range(waves)]
+    total = int(starts[-1]) * waves
     floats, reached = np.empty((6, total), dtype=np.float32), np.empty(total, dtype=np.bool_)
     if total:
-        # Every second piece first, so that two threads get ways of the same lengths.
-        order = np.array(pieces[::2] + pieces[1::2], dtype=np.int64)
-        flat = np.ascontiguousarray(points.reshape(-1, 2))
+        order = np.array(pieces, dtype=np.int64)
         tables = prepared.shapes, prepared.aspheres, prepared.indices, prepared.shares
-        kernels.follow(flat, along, order, np.concatenate(ways), *tables, floats, reached)
-    shape = (len(paths), waves, count)
-    x, y, weight, level, stop_x, stop_y = (part.reshape(shape) for part in floats)
-    return Rays(x, y, weight, level, stop_x, stop_y, reached.reshape(shape))
+        rest = points, along, np.concatenate(ways), *tables, floats, reached
+        # Each thread takes the next few pieces as it is done with its last ones.
+        turns = [order[k : k + TOGETHER] for k in range(0, len(order), TOGETHER)]
+        for _ in _pool().map(lambda some: kernels.follow(some, *rest), turns):
+            pass
+    x, y, weight, level, stop_x, stop_y = floats
+    return Rays(x, y, weight, level, stop_x, stop_y, reached)
 
 
-def taken(found: Rays, k: int) -> Rays:
-    """Return the rays of one path out of many.
-
-    Parameters
-    ----------
-    found : Rays
-        Of arrays of shape (G, ...).
-    k : int
-        Which path.
-
-    Returns
-    -------
-    Rays
-        Of arrays of shape (...).
-    """
-    one = found.x[k], found.y[k], found.weight[k], found.level[k]
-    return Rays(*one, found.stop_x[k], found.stop_y[k], found.reached[k])
+@functools.cache
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="ghosts")
 
 
-def _shares(lens: Lens, indices: Numbers, waves: Numbers) -> Numbers:
+def _shares(lens: Lens, indices: Numbers, waves: Numbers) -> Singles:
     """Return the polynomials of all coatings, zero where there is none."""
     cosines, fit = _fit()
-    shares = np.zeros((len(waves), len(lens.surfaces), 2, TERMS))
+    shares = np.zeros((len(waves), len(lens.surfaces), 2, TERMS), dtype=np.float32)
     for k, surface in enumerate(lens.surfaces):
         for ahead in (True, False):
             here = (indices[:, k] <= indices[:, k + 1]) == ahead
