@@ -110,7 +110,7 @@ def test_four_bounces_are_all_ways_back_and_forth():
 
 
 def test_four_bounces_are_weaker():
-    four = energy.ghost_energies(HELIAR, flare.four_bounces(HELIAR), GREEN, wavelengths=1, base=8).sum()
+    four = energy.ghost_energies(HELIAR, flare.four_bounces(HELIAR), GREEN, wavelengths=1, base=16).sum()
     assert 0 < four < 0.1 * energy.ghost_to_image(HELIAR, GREEN, "all", wavelengths=1)
 
 

@@ -72,8 +72,9 @@ def curves(
     ndarray, shape (G, 12)
         0 for a ghost by which no ray passes.
     """
-    points = np.array([_some(sheet, sensor) for sheet in sheets]).reshape(len(sheets), RAYS, 2)
-    found = tracing.follow(prepared, [sheet.path for sheet in sheets], points, tracing.travel(direction))
+    points = np.array([_some(sheet, sensor) for sheet in sheets]).reshape(-1, 2)
+    paths, counts = [sheet.path for sheet in sheets], [RAYS] * len(sheets)
+    found = tracing.follow(prepared, paths, counts, points, tracing.travel(direction))
     weight = np.where(found.reached, found.weight, 0.0)
     return np.asarray(weight.reshape(len(sheets), NODES, RAYS).mean(axis=2, dtype=np.float64))
 
