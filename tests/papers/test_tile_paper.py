@@ -1,13 +1,17 @@
 """A. Bodonyi, R. Kunkli, "Efficient tile-based rendering of lens flare ghosts", Computers & Graphics, 2023.
 
-Section 5.1 counts the ghosts of four lenses, Table 1 prints one of them.
+Section 5.1 counts the ghosts of four lenses, Table 1 prints one of them; Tables 2 to 8 are measured again by
+`aureole bench tile-paper`.
 """
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 
 from aureole import flare
-from aureole.flare import coating, glass, paraxial
+from aureole.bench import tile_systems, tile_tables
+from aureole.flare import coating, glass, paraxial, pupil
 
 # Section 5.1 as printed: ghosts; and what the rule of section 3.2 gives: both reflections on one side.
 PRINTED = {
@@ -81,3 +85,57 @@ def test_equation_1(angle):
     found, through = coating.reflectance((), flare.AIR, glass.of_numbers(1.652), c1, 550e-9)
     assert found == pytest.approx(printed, rel=1e-12)
     assert through == pytest.approx(1 - printed, rel=1e-12)
+
+
+def test_printed_tables_are_the_papers():
+    """What can be checked of tables 2 to 8 within the paper: sums, ratios, bytes."""
+    for rows in tile_tables.PRINTED_2.values():
+        for rays, dense, traversal, total, before_rays, raster, before in rows:
+            assert rays + dense + traversal == pytest.approx(total, abs=0.145)
+            assert before_rays + raster == pytest.approx(before, abs=0.006)
+    # Light merging is the setting of Tables 2 and 3, but for one digit.
+    for k, row in enumerate(tile_tables.PRINTED_7):
+        assert row[3] == tile_tables.PRINTED_3[1][k]
+        assert row[2] == pytest.approx(tile_tables.PRINTED_2[1][k][3], abs=0.5)
+    for counts, indices in zip(tile_tables.PRINTED_5.values(), tile_tables.PRINTED_6.values(), strict=True):
+        for many, listed in zip(counts, indices, strict=True):
+            assert all(few is None or few <= most for most, few in pairwise(many))
+            assert all(a is None or a < b for a, b in zip(many, listed, strict=True))
+    # Loop and DeRose's way is the one of Table 2.
+    for k, row in enumerate(tile_tables.PRINTED_8):
+        assert row[-1] == pytest.approx(tile_tables.PRINTED_2[1][k][2], rel=0.15)
+        assert sorted(row, reverse=True) == list(row)
+
+
+def test_equation_13():
+    """As large as the sensor takes the base; a quarter of its area takes half; a spot takes a twentieth."""
+    scene = tile_systems.scene_of(tile_systems.SYSTEMS[0], 1, (54, 96), 200)
+    sides = tile_systems.grid_sides(scene, scene.directions[0])
+    assert list(sides) == list(scene.paths)
+    assert min(sides.values()) >= 10
+    assert max(sides.values()) <= 200
+    width, height = scene.prepared.lens.sensor
+    for sheet in pupil.sheets(scene.prepared, scene.paths, scene.directions[0], tile_systems.PROBE):
+        x, y = sheet.x[sheet.passed], sheet.y[sheet.passed]
+        part = np.sqrt(np.ptp(x) / width * np.ptp(y) / height)
+        assert sides[sheet.path] == round(200 * np.clip(part, 0.05, 1))
+
+
+@pytest.mark.parametrize("grids", tile_systems.GRIDS)
+def test_every_ghost_of_every_light_has_its_primitives(grids):
+    scene = tile_systems.scene_of(tile_systems.SYSTEMS[0], 2, (54, 96), 64, grids)
+    sheets = tile_systems.traced(scene)
+    assert [sheet.path for sheet in sheets] == [path for _ in range(2) for path in scene.paths]
+    assert (scene.iris is None) == (grids == "bounds")
+    whole = tile_systems.primitives(scene, sheets)
+    assert set(whole.ghost) <= set(range(len(scene.paths)))
+    parts = [tile_systems.of_ghost(whole, ghost) for ghost in range(len(scene.paths))]
+    assert sum(len(part.area) for part in parts) == len(whole.area)
+    assert all((part.ghost == ghost).all() for ghost, part in enumerate(parts))
+
+
+def test_a_closed_iris_is_a_mask_of_its_area():
+    scene = tile_systems.scene_of(tile_systems.SYSTEMS[0], 1, (54, 96), 16, "front")
+    lens = scene.prepared.lens
+    closed = paraxial.stop_radius(lens, 16.0) / lens.surfaces[lens.stop].semi_aperture
+    assert scene.iris.mean() == pytest.approx(np.pi * closed**2 / 4, rel=1e-5)

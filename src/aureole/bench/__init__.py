@@ -21,6 +21,11 @@ zooms               far fields of masks, finer than the transform's own spacing
 starbursts          a whole starburst in colour
 peer_ways           which peers are installed, and their ways
 peer_*              one file a library
+tile_paper        the tile paper's bench, and which of these belongs to it:
+tile_tables         its Tables 2 to 8 as printed, and their columns
+tile_systems        its lenses, lights and grids of rays
+tile_measures       one lens with one light or two
+tile_whole          whole pictures against fine grids
 flare_peers       other ray tracers on the ways of ghosts
 lens_rays         rays through a lens as a peer takes them
 optics            a far-field and a near-field problem as a peer takes them
@@ -36,6 +41,7 @@ from aureole.bench.near_field import NearFieldBench, run_near_field
 from aureole.bench.peers import PeersBench, run_peers
 from aureole.bench.quad_paper import QuadPaperBench, run_quad_paper
 from aureole.bench.report import Column, Report, Table, plain
+from aureole.bench.tile_paper import TilePaperBench, run_tile_paper
 
 __all__ = [
     "Column",
@@ -45,9 +51,11 @@ __all__ = [
     "QuadPaperBench",
     "Report",
     "Table",
+    "TilePaperBench",
     "plain",
     "run_flare_peers",
     "run_near_field",
     "run_peers",
     "run_quad_paper",
+    "run_tile_paper",
 ]

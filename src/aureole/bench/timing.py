@@ -10,7 +10,7 @@ import re
 import statistics
 import time
 from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 from threadpoolctl import threadpool_info
 
@@ -19,6 +19,7 @@ from aureole.records import Stage
 
 Task = Callable[[], object]
 Part = Callable[[], Iterator[Stage]]
+Found = TypeVar("Found")
 
 # Seconds for all runs of one task.
 PATIENCE = 10.0
@@ -90,6 +91,35 @@ def milliseconds(task: Task) -> float:
     start = time.perf_counter()
     task()
     return 1e3 * (time.perf_counter() - start)
+
+
+def within(work: Generator[Stage, None, Found], start: float, end: float) -> Generator[Stage, None, Found]:
+    """Run a computation as the part of a whole that lies between two fractions of it.
+
+    Parameters
+    ----------
+    work : generator
+        Gives stages from 0 to 1.
+    start, end : float
+        Fractions of the whole.
+
+    Yields
+    ------
+    Stage
+        With the fraction of the whole.
+
+    Returns
+    -------
+    object
+        What the computation returns.
+    """
+    while True:
+        try:
+            stage = next(work)
+        except StopIteration as ended:
+            found: Found = ended.value
+            return found
+        yield Stage(start + (end - start) * stage.fraction, stage.label)
 
 
 def in_order(parts: Iterable[Part]) -> Generator[Stage, None, tuple[Table, ...]]:

@@ -107,6 +107,35 @@ def near_field(
     _run(bench.run_near_field(bench.NearFieldBench(size, runs, _names(only))), out, as_json)
 
 
+@app.command(name="tile-paper")
+def tile_paper(
+    base: Annotated[int, typer.Option(help="Rays along each side of the largest grids.")] = 256,
+    runs: Runs = 3,
+    grids: Annotated[
+        str, typer.Option(help="What they lie over: bounds (each ghost's own part of the pupil) or front.")
+    ] = "bounds",
+    quick: Annotated[
+        bool, typer.Option("--quick", help="A small picture, coarse grids, two lenses.")
+    ] = False,
+    only: Only = None,
+    out: Results = None,
+    as_json: options.Json = False,
+) -> None:
+    """Tables 2-8 of the tile paper, beside what it prints, and whole pictures of ghosts.
+
+    A. Bodonyi, R. Kunkli, "Efficient tile-based rendering of lens flare ghosts", 2023; its times are a
+    GeForce RTX 3060's. All lenses take about half an hour. Names for --only: table-2 ... table-8, whole,
+    and the lenses heliar, itoh, nikon, canon-135, canon-200.
+
+    Examples:
+
+        aureole bench tile-paper --quick
+
+        aureole bench tile-paper --only table-2,table-3,heliar -o heliar.json
+    """
+    _run(bench.run_tile_paper(bench.TilePaperBench(base, runs, grids, quick, _names(only))), out, as_json)
+
+
 @app.command(name="flare-peers")
 def flare_peers(
     side: Annotated[int, typer.Option(help="Rays along each side of the grid.")] = 256,
