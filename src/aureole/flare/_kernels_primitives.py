@@ -21,14 +21,13 @@ ONE: Any = np.float32(1)
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
 def mark(
-    x: F32,
-    y: F32,
+    sensor: tuple[F32, F32],
     rays: Rays,
     reached: Flags,
     frame: F32,
-    reach: float,
-    crossed: bool,
-    convex: bool,
+    limits: tuple[float, bool, bool],
+    x: F32,
+    y: F32,
     sizes: I8,
     whole: Flags,
 ) -> None:
@@ -36,53 +35,63 @@ def mark(
 
     Parameters
     ----------
-    x, y : ndarray of float32, shape (W, rows, columns)
-        Metres on the sensor; filled with pixels of the picture. Lost rays go to its middle.
+    sensor : tuple of ndarray of float32, each of shape (W, rows, columns)
+        x and y on the sensor, metres.
     rays : tuple of ndarray of float32, each of shape (W, rows, columns)
         Weight, level, stop_x and stop_y as a sheet's.
     reached : ndarray of bool, shape (W, rows, columns)
         Whether a ray reached the sensor.
     frame : ndarray of float32, shape (3,)
         Half the picture's width and height, pixels, and pixels a metre.
-    reach : float
-        How far from the stop's middle light passes, in parts of its radius.
-    crossed : bool
-        Whether to keep cells, too, that have no valid ray but that light may cross.
-    convex : bool
-        Whether only convex cells may merge, which leaves folds as they are.
+    limits : tuple
+        How far from the stop's middle light passes, in parts of its radius; whether to keep cells, too, that
+        have no valid ray but that light may cross; whether only convex cells may merge, which leaves folds.
+    x, y : ndarray of float32, shape (W, rows, columns)
+        Filled with pixels of the picture; lost rays go to its middle.
     sizes : ndarray of int8, shape (W, rows - 1, columns - 1)
         Filled with 0 where a cell stays, else -1.
     whole : ndarray of bool, shape (W, rows - 1, columns - 1)
         Filled: whether a cell may merge, which takes four valid rays.
     """
-    middle_x, middle_y, scale = frame[0], frame[1], frame[2]
-    weight, level, stop_x, stop_y = rays
-    reach2 = reach * reach
+    reach, crossed, convex = limits
+    state = np.empty(x.shape[1:], np.uint8)
     for w in range(x.shape[0]):
+        weight, level, stop_x, stop_y = rays[0][w], rays[1][w], rays[2][w], rays[3][w]
+        u, v = x[w], y[w]
         for i in range(x.shape[1]):
             for j in range(x.shape[2]):
-                x[w, i, j] = middle_x - x[w, i, j] * scale if reached[w, i, j] else middle_x
-                y[w, i, j] = middle_y - y[w, i, j] * scale if reached[w, i, j] else middle_y
+                there, sx, sy = reached[w, i, j], stop_x[i, j], stop_y[i, j]
+                u[i, j] = frame[0] - sensor[0][w, i, j] * frame[2] if there else frame[0]
+                v[i, j] = frame[1] - sensor[1][w, i, j] * frame[2] if there else frame[1]
+                # Four rays' sums tell how many arrived (1), through the semi-apertures (8), and validly (64).
+                open_ = there and level[i, j] <= ONE
+                valid = open_ and sx * sx + sy * sy <= reach * reach
+                state[i, j] = there + 8 * open_ + 64 * valid
         for i in range(sizes.shape[1]):
             for j in range(sizes.shape[2]):
-                inside, known, light, low = 0, 0, ZERO, level[w, i, j]
-                left, right = stop_x[w, i, j], stop_x[w, i, j]
-                top, bottom = stop_y[w, i, j], stop_y[w, i, j]
-                for corner in range(4):
-                    a, b = i + (corner >> 1), j + (corner & 1)
-                    here, sx, sy = level[w, a, b], stop_x[w, a, b], stop_y[w, a, b]
-                    there = reached[w, a, b]
-                    known += there
-                    inside += there and here <= ONE and sx * sx + sy * sy <= reach2
-                    light = max(light, weight[w, a, b])
-                    low, left, right = min(low, here), min(left, sx), max(right, sx)
-                    top, bottom = min(top, sy), max(bottom, sy)
-                # The point of the stop's box that is nearest to its middle.
-                near_x, near_y = max(left, min(right, ZERO)), max(top, min(bottom, ZERO))
-                met = low <= ONE and near_x * near_x + near_y * near_y <= reach2
-                stays = known > 2 and light > ZERO and (inside > 0 or (crossed and known == 4 and met))
+                four = state[i, j] + state[i, j + 1] + state[i + 1, j] + state[i + 1, j + 1]
+                stays = four > 63 and (four & 7) > 2
+                if crossed and 63 > four > 8 and (four & 7) == 4:
+                    near_x, near_y = nearest_to_zero(stop_x, i, j), nearest_to_zero(stop_y, i, j)
+                    stays = near_x * near_x + near_y * near_y <= reach * reach
+                stays = stays and any_light(weight, i, j)
                 sizes[w, i, j] = 0 if stays else -1
-                whole[w, i, j] = stays and inside == 4 and (not convex or turns_one_way(x[w], y[w], i, j))
+                whole[w, i, j] = stays and four == 292 and (not convex or turns_one_way(u, v, i, j))
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def any_light(weight: F32, i: int, j: int) -> bool:
+    """Return whether one of a cell's rays has a weight."""
+    pair = max(weight[i, j], weight[i, j + 1])
+    return bool(max(pair, max(weight[i + 1, j], weight[i + 1, j + 1])) > ZERO)
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def nearest_to_zero(values: F32, i: int, j: int) -> float:
+    """Return the number nearest to 0 between the least and the largest of a cell's four."""
+    a, b, c, d = values[i, j], values[i, j + 1], values[i + 1, j], values[i + 1, j + 1]
+    number: float = max(min(min(a, b), min(c, d)), min(max(max(a, b), max(c, d)), ZERO))
+    return number
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")

@@ -301,18 +301,19 @@ def _colour_rows(grids: Sequence[Sheet], colours: Sequence[Sequence[int]] | None
 
 def _arrange(grid: Sheet, frame: Frame, how: _How) -> _Blocks:
     """Return where a sheet's blocks begin: mark its cells, merge them, close cracks, drop what is outside."""
-    x, y = np.array(grid.x, dtype=np.float32, order="C"), np.array(grid.y, dtype=np.float32, order="C")
     weight, level = _plain(grid.weight), _plain(grid.level)
     rays = (weight, level, _plain(grid.stop_x), _plain(grid.stop_y))
     reached = np.ascontiguousarray(grid.reached)
-    waves, rows, columns = x.shape
+    waves, rows, columns = grid.x.shape
+    x, y = np.empty(grid.x.shape, dtype=np.float32), np.empty(grid.x.shape, dtype=np.float32)
     sizes = np.empty((waves, rows - 1, columns - 1), dtype=np.int8)
     whole, outside = np.empty(sizes.shape, dtype=np.bool_), np.zeros(waves)
     # Numbers in single precision keep the loops in it.
     height, width = frame.shape
     half: Any = np.array([0.5 * width, 0.5 * height, 1.0 / frame.pitch, how.reach], dtype=np.float32)
-    convex = how.merge.test == "correct"
-    kernels.mark(x, y, rays, reached, half[:3], half[3], how.crossed, convex, sizes, whole)
+    limits = (half[3], how.crossed, how.merge.test == "correct")
+    sensor = (_plain(grid.x), _plain(grid.y))
+    kernels.mark(sensor, rays, reached, half[:3], limits, x, y, sizes, whole)
     power = _merge(x, y, rays, frame, how.merge, sizes, whole)
     if how.merge.stitch:
         kernels.stitch(x, y, how.merge.steps, sizes)
