@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from aureole.flare import ghost_colour, pupil, tracing
 from aureole.flare.prescription import Lens
+from aureole.flare.primitives import Frame
 from aureole.flare.spectral import Bands, Sampling, band_count
 
 Numbers = NDArray[np.float64]
@@ -60,7 +61,7 @@ def prepare_blend(lens: Lens, sampling: Sampling) -> Blend:
 
 
 def in_bands(
-    blend: Blend, sheets: Sequence[pupil.Sheet], direction: ArrayLike, step: float, largest: int
+    blend: Blend, sheets: Sequence[pupil.Sheet], direction: ArrayLike, frame: Frame, step: float, largest: int
 ) -> tuple[list[pupil.Sheet], list[Numbers]]:
     """Return ghosts' sheets at the wavelengths that are drawn, and each wavelength's colour.
 
@@ -72,10 +73,12 @@ def in_bands(
         At the traced wavelengths.
     direction : array_like, shape (3,)
         From the lens towards the light.
+    frame : Frame
+        The picture.
     step : float
-        How far apart neighbouring bands may lie on the sensor, metres.
+        How far apart neighbouring bands may lie, pixels.
     largest : int
-        The most bands of a ghost.
+        The most bands of a ghost that fills the frame; one that fills less of it takes more if it must.
 
     Returns
     -------
@@ -91,7 +94,8 @@ def in_bands(
     made, colours = [], []
     curves = ghost_colour.curves(blend.exact, sheets, direction)
     for sheet, curve in zip(sheets, curves, strict=True):
-        count = band_count(_shift(sheet), step, largest)
+        shift, part = _extent(sheet, frame)
+        count = band_count(shift, step, int(largest / max(part, 1e-3)))
         if count not in known:
             known[count] = sampling.bands(count)
         bands = known[count]
@@ -120,12 +124,17 @@ def image_luminance(blend: Blend, powers: Numbers) -> float:
     return float(bands.colours[:, 1] @ (bands.blend @ powers))
 
 
-def _shift(sheet: pupil.Sheet) -> float:
-    """Return how far the fastest ray moves over the spectrum, metres."""
-    ends = sheet.passed[[0, -1]].any(axis=0) & sheet.reached.all(axis=0)
-    if not ends.any():
-        return 0.0
-    return float(np.hypot(sheet.x[-1] - sheet.x[0], sheet.y[-1] - sheet.y[0])[ends].max())
+def _extent(sheet: pupil.Sheet, frame: Frame) -> tuple[float, float]:
+    """Return how many pixels the fastest ray moves over the spectrum, and which part of the frame is lit."""
+    lit = sheet.passed[[0, -1]].any(axis=0) & sheet.reached.all(axis=0)
+    if not lit.any():
+        return 0.0, 0.0
+    x, y = sheet.x[[0, -1]][:, lit] / frame.pitch, sheet.y[[0, -1]][:, lit] / frame.pitch
+    part = 1.0
+    for places, length in ((x, frame.shape[1]), (y, frame.shape[0])):
+        inside = np.clip(places, -0.5 * length, 0.5 * length)
+        part *= float(np.ptp(inside)) / length
+    return float(np.hypot(x[1] - x[0], y[1] - y[0]).max()), part
 
 
 def _mixed(sheet: pupil.Sheet, bands: Bands, weights: Numbers) -> pupil.Sheet:

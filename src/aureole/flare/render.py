@@ -380,9 +380,10 @@ def _image_powers(
 def _primitives(scene: _Scene, source: _Source, paths: Sequence[GhostPath], palette: _Palette) -> Primitives:
     """Trace ghosts of one point of light and return their quads in all bands."""
     options = scene.options
-    prepared, step = source.blend.prepared, options.band_step * scene.frame.pitch
-    traced = pupil.sheets(prepared, paths, source.direction, options.grid, options.adapt)
-    sheets, colours = blending.in_bands(source.blend, traced, source.direction, step, options.bands)
+    prepared, towards = source.blend.prepared, source.direction
+    traced = pupil.sheets(prepared, paths, towards, options.grid, options.adapt)
+    spread = scene.frame, options.band_step, options.bands
+    sheets, colours = blending.in_bands(source.blend, traced, towards, *spread)
     rows = [palette.add(each * source.scale) for each in colours]
     return primitives.construct(sheets, scene.frame, rows, options.merge)
 

@@ -22,7 +22,7 @@ LOW, HIGH = 400e-9, 700e-9
 DEFAULT_WAVELENGTHS = 4
 MOST_WAVELENGTHS = 64
 # Numbers of bands that a ghost may have: a colour table for each is made once.
-BAND_COUNTS = (4, 6, 8, 12, 16, 24, 32)
+BAND_COUNTS = (4, 6, 8, 12, 16, 24, 32, 48, 64)
 # Width of the fine cells that bands are made of, metres.
 STEP = 1e-9
 
@@ -134,7 +134,7 @@ def band_count(shift: float, step: float, largest: int = BAND_COUNTS[-1]) -> int
     Returns
     -------
     int
-        One of 4, 6, 8, 12, 16, 24, 32.
+        One of 4, 6, 8, 12, 16, 24, 32, 48, 64.
     """
     allowed = [count for count in BAND_COUNTS if count <= max(largest, BAND_COUNTS[0])]
     return next((count for count in allowed if shift <= step * (count - 1)), allowed[-1])
