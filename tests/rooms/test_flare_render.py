@@ -255,7 +255,7 @@ def test_ghosts_by_word_and_by_path(biotar):
         (at(5), {"methud": "tiles"}, r"'render' has no 'methud'\. Did you mean 'method'\?"),
         (at(5), {"method": "tils"}, r"'method' must be one of .* Did you mean 'tiles'\?"),
         (at(5), {"blend": "flad"}, r"'blend' must be one of .* Did you mean 'flat'\?"),
-        (at(5), {"grid": 1}, r"'grid' must be an integer >= 2, got 1\."),
+        (at(5), {"grid": 1}, r"'grid' must be an integer >= 5, got 1\."),
         (at(5), {"points": 0}, r"'points' must be an integer >= 1, got 0\."),
         (at(5), {"iris": np.zeros((8, 8))}, r"'iris' must let some light through"),
         (at(5), {"iris": np.ones((8, 9))}, r"'iris' must be a square mask, got 8 by 9\."),

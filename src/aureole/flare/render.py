@@ -31,6 +31,7 @@ SHAPE = (1080, 1920)
 # Metadata of a picture of ghosts: the part of the lights' images that the ghosts in the frame make up.
 RATIO_KEY = "ghost_to_image"
 # How many ghosts are traced at once, and how many primitives are drawn at once: 120 bytes each.
+ADAPTS = ("frame", "bounds", "paper")
 BATCH, MOST_PRIMITIVES = 32, 2_000_000
 IMAGE_SIDE = 64
 AXIS = (0.0, 0.0, 1.0)
@@ -65,9 +66,13 @@ class Options:
     bands : int
         The most bands of a ghost.
     grid : int
-        Rays along each side of a ghost's grid.
-    adapt : {"bounds", "paper"}
-        Over the part of the pupil that makes the ghost, or over the whole front of the lens.
+        The most rays along each side of a ghost's grid.
+    adapt : {"frame", "bounds", "paper"}
+        As many rays as the picture's pixels want, over the part of the pupil that lands on it; always `grid`,
+        over the part of the pupil that makes the ghost; or by the tile paper's Eq. 13, over the whole front of
+        the lens.
+    error : float
+        With "frame", how far points between rays may lie off, pixels (`aureole.flare.pupil.sheets`).
     merge : str or Merge
         "none", "light" or "heavy", or another of `aureole.flare.primitives.MERGES`.
     method : str
@@ -90,8 +95,9 @@ class Options:
     blend: str = "blended"
     band_step: float = 3.0
     bands: int = 16
-    grid: int = 64
-    adapt: str = "bounds"
+    grid: int = 128
+    adapt: str = "frame"
+    error: float = 0.25
     merge: str | primitives.Merge = "light"
     method: str = "auto"
     coordinates: str = "auto"
@@ -281,7 +287,9 @@ def _options(given: dict[str, Any]) -> Options:
     refuse.positive("gain", made.gain)
     refuse.positive("band_step", made.band_step)
     refuse.at_least("bands", made.bands, 1)
-    refuse.at_least("grid", made.grid, 2)
+    refuse.at_least("grid", made.grid, 5)
+    refuse.positive("error", made.error)
+    refuse.one_of("adapt", made.adapt, ADAPTS)
     if made.points is not None:
         refuse.at_least("points", made.points, 1)
     primitives.checked(made.merge)
@@ -381,11 +389,17 @@ def _primitives(scene: _Scene, source: _Source, paths: Sequence[GhostPath], pale
     """Trace ghosts of one point of light and return their quads in all bands."""
     options = scene.options
     prepared, towards = source.blend.prepared, source.direction
-    traced = pupil.sheets(prepared, paths, towards, options.grid, options.adapt)
+    traced = pupil.sheets(prepared, paths, towards, options.grid, *_fit(scene))
     spread = scene.frame, options.band_step, options.bands
     sheets, colours = blending.in_bands(source.blend, traced, towards, *spread)
     rows = [palette.add(each * source.scale) for each in colours]
     return primitives.construct(sheets, scene.frame, rows, options.merge)
+
+
+def _fit(scene: _Scene) -> tuple[str, primitives.Frame | None, float]:
+    """Return how grids of rays are fitted, as `pupil.sheets` takes it."""
+    adapt, error = scene.options.adapt, scene.options.error
+    return ("bounds", scene.frame, error) if adapt == "frame" else (adapt, None, error)
 
 
 def _joined(parts: Sequence[Primitives]) -> Primitives:
