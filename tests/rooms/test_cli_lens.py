@@ -185,7 +185,7 @@ def test_a_fields_edge_is_where_the_sensor_ends():
 def test_ghosts_are_ranked_by_their_light(capsys):
     words = ["lens", "ghosts", HELIAR, "--light", "8deg,3deg", "--illuminant", "line:550nm"]
     found = told([*words, "--ghosts", "90%", "--json"], capsys)
-    assert found["out_of"] == {"which": "all", "count": 28}
+    assert found["out_of"] == {"which": "all", "bounces": 2, "count": 28}
     energies = [line["energy"] for line in found["ghosts"]]
     assert energies == sorted(energies, reverse=True)
     assert found["ghosts"][-2]["cumulative"] < 0.9 <= found["ghosts"][-1]["cumulative"]
@@ -195,6 +195,10 @@ def test_ghosts_are_ranked_by_their_light(capsys):
     on_sensor = told([*words, "--ghosts", "same-side", "--f-number", "8", "--json"], capsys)
     assert 0 < on_sensor["ghost_to_image"] < 0.5 * side["ghost_to_image"]
     assert side["ghosts"][-1]["cumulative"] == pytest.approx(1)
+    four = told([*words, "--ghosts", "top:3", "--four-bounces", "--json"], capsys)
+    assert four["out_of"]["count"] == 658
+    assert all(line["ghost"].count("-") == 3 for line in four["ghosts"])
+    assert four["ghost_to_image"] < 0.1 * found["ghost_to_image"]
     assert run([*words, "--ghosts", "top:2"]) == 0
     text = capsys.readouterr().out
     assert "28 ghosts together carry" in text

@@ -109,6 +109,17 @@ def test_four_bounces_are_all_ways_back_and_forth():
         assert ghost_paths.path_named(triplet, path.name) == path
 
 
+def test_the_shortlist_holds_the_strongest():
+    paths = flare.four_bounces(HELIAR)
+    every = energy.ranked(HELIAR, paths, GREEN, wavelengths=1, base=16)
+    short = {path.reflections for path in energy.shortlist(HELIAR, paths, GREEN, 30)}
+    assert len(short) == 30
+    assert {path.reflections for path in every[:10]} <= short
+    # Of light along the front hardly a ray comes through.
+    grazing = Light((0.9992, 0.0, 0.04), GREEN.spectrum)
+    assert len(energy.shortlist(HELIAR, paths, grazing, 30)) < 10
+
+
 def test_four_bounces_are_weaker():
     four = energy.ghost_energies(HELIAR, flare.four_bounces(HELIAR), GREEN, wavelengths=1, base=16).sum()
     assert 0 < four < 0.1 * energy.ghost_to_image(HELIAR, GREEN, "all", wavelengths=1)

@@ -117,6 +117,9 @@ def ghosts(
     ] = "top:20",
     f_number: Annotated[float | None, typer.Option("--f-number", help="Wide open without it.")] = None,
     illuminant: options.Illuminant = "E",
+    four: Annotated[
+        bool, typer.Option("--four-bounces", help="Ghosts of four reflections, such as 5-7-9-1, instead.")
+    ] = False,
     everywhere: Annotated[
         bool, typer.Option("--everywhere", help="Count light that misses the sensor, too.")
     ] = False,
@@ -138,7 +141,7 @@ def ghosts(
     found, notes = flare.open_lens(lens, state)
     output.say_notes(notes)
     within = "plane" if everywhere else "frame"
-    report = jobs.lens_ghosts(found, _angles(light), which, f_number, illuminant, within)
+    report = jobs.lens_ghosts(found, _angles(light), which, f_number, illuminant, within, 4 if four else 2)
     if as_json:
         output.report("ghosts", report, [], True, time.perf_counter() - start)
         return

@@ -32,7 +32,15 @@ render         all of it: lights in, the picture of the ghosts out, whole or gho
 """
 
 from aureole.flare.coating import Coating, Layer, quarter_wave, reflectance
-from aureole.flare.energy import chosen, ghost_energies, ghost_powers, ghost_to_image, ranked, strongest
+from aureole.flare.energy import (
+    chosen,
+    ghost_energies,
+    ghost_powers,
+    ghost_to_image,
+    ranked,
+    shortlist,
+    strongest,
+)
 from aureole.flare.ghost_paths import (
     GhostPath,
     counts,
@@ -109,6 +117,7 @@ __all__ = [
     "render_layers",
     "render_stages",
     "sample_spectrum",
+    "shortlist",
     "strongest",
     "to_toml",
     "trace_reference",

@@ -10,6 +10,8 @@ from aureole.flare.lights import light_at
 from aureole.flare.prescription import Lens
 from aureole.jobs.lens_drawing import field_angle
 
+FOLLOWED = 400
+
 
 def lens_ghosts(
     lens: Lens,
@@ -18,6 +20,7 @@ def lens_ghosts(
     f_number: float | None = None,
     illuminant: str = "E",
     within: str = "frame",
+    bounces: int = 2,
 ) -> dict[str, Any]:
     """Return a lens's ghosts for one light, the strongest first.
 
@@ -35,6 +38,8 @@ def lens_ghosts(
         The light's spectrum.
     within : {"plane", "frame"}
         All that reaches the sensor's plane, or what falls on the sensor.
+    bounces : {2, 4}
+        Reflections of each ghost; of four the `FOLLOWED` strongest by few rays are followed closely.
 
     Returns
     -------
@@ -51,7 +56,11 @@ def lens_ghosts(
     x, y = angles or (0.0, field_angle(lens) / 2.0)
     source = light_at(x, y, light.illuminant(illuminant))
     pool = which if which in WHICH else "all"
-    every = energy.ranked(lens, flare.ghosts(lens, pool), source, f_number, within=within)
+    paths = flare.four_bounces(lens, pool) if bounces == 4 else flare.ghosts(lens, pool)
+    count = len(paths)
+    if bounces == 4:
+        paths = energy.shortlist(lens, paths, source, FOLLOWED, f_number)
+    every = energy.ranked(lens, paths, source, f_number, within=within)
     shown = every if which in WHICH else energy.strongest(every, which)
     total = sum(path.energy or 0.0 for path in every)
     lines, sum_so_far = [], 0.0
@@ -65,7 +74,7 @@ def lens_ghosts(
         "lens": lens.name,
         "light_deg": [math.degrees(x), math.degrees(y)],
         "f_number": f_number,
-        "out_of": {"which": pool, "count": len(every)},
+        "out_of": {"which": pool, "bounces": bounces, "count": count},
         "ghost_to_image": total,
         "ghosts": lines,
     }
