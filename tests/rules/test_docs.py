@@ -78,7 +78,9 @@ def test_pictures_are_small_and_each_is_shown():
         assert path.name == "demo.jpg" or path.stat().st_size < LARGEST_PICTURE, path.name
 
 
-@pytest.mark.parametrize(("page", "script"), [("far-field", "figures"), ("near-field", "near_figures")])
+@pytest.mark.parametrize(
+    ("page", "script"), [("far-field", "figures"), ("near-field", "near_figures"), ("flare", "flare_figures")]
+)
 def test_each_picture_of_a_page_is_made_by_its_script(page, script):
     """Loops write some of them: over methods, over Fresnel numbers."""
     made = (ROOT / "docs" / f"{script}.sh").read_text(encoding="utf-8")
