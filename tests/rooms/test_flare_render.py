@@ -61,7 +61,7 @@ def test_a_ghosts_picture_sums_to_its_energy(name):
     for path in paths:
         # As high as the sensor, so that both count what falls on it.
         shape = (round(90 * lens.sensor[1] / lens.sensor[0]), 90) if name.startswith("heliar") else SHAPE
-        picture = render(lens, source, shape, ghosts=[path], merge="none")
+        picture = render(lens, source, shape, ghosts=[path], merge="none", adapt="bounds", grid=128)
         assert picture.metadata["ghost_to_image"] == pytest.approx(path.energy, rel=0.01)
         assert picture.pixels[..., 1].sum(dtype=np.float64) == pytest.approx(path.energy, rel=0.01)
 

@@ -69,8 +69,8 @@ class Options:
         The most rays along each side of a ghost's grid.
     adapt : {"frame", "bounds", "paper"}
         As many rays as the picture's pixels want, over the part of the pupil that lands on it; always `grid`,
-        over the part of the pupil that makes the ghost; or by the tile paper's Eq. 13, over the whole front of
-        the lens.
+        over the part of the pupil that makes the ghost; or by the tile paper's Eq. 13, over the whole front
+        of the lens.
     error : float
         With "frame", how far points between rays may lie off, pixels (`aureole.flare.pupil.sheets`).
     merge : str or Merge
