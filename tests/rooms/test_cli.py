@@ -151,6 +151,12 @@ def test_demo_writes_its_files(tmp_path, capsys):
     assert run(["demo", "--folder", str(folder), "--size", "192x108", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert sorted(p.name for p in folder.iterdir()) == sorted(p.rsplit("/", 1)[1] for p in told["files"])
+    # Ghosts are added to a picture with glare, which has the scene's light.
+    scene, whole, ghosts = (
+        picture.read(folder / f"{name}.exr").pixels for name in ("scene", "flare", "ghosts")
+    )
+    assert ghosts.sum() > 0.001 * scene.sum()
+    np.testing.assert_allclose((whole - ghosts).sum(), scene.sum(), rtol=1e-3)
 
 
 def test_presets_are_listed(capsys):

@@ -230,6 +230,9 @@ def demo(
 ) -> None:
     """Run the main job on a bundled scene: a night by the water, 50 mm at f/16, seven blades.
 
+    flare.exr has the starbursts of all lamps and the ghosts of the brightest three in a lens of 1927;
+    ghosts.exr has the ghosts alone, scene.exr is the scene as it was.
+
     Example:
 
         aureole demo --folder demo

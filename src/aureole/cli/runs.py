@@ -187,17 +187,20 @@ def demo(job: jobs.DemoJob, folder: Path, as_json: bool) -> None:
     """
     start = time.perf_counter()
     output.make_folder(folder)
-    files = [folder / name for name in ("scene.exr", "glare.exr", "psf.exr", "glare.png", "preview.png")]
+    names = ("scene.exr", "flare.exr", "ghosts.exr", "psf.exr", "flare.png", "preview.png")
+    files = [folder / name for name in names]
     output.places(*files)
     result = output.follow(jobs.run(job))
-    scene, after = result.scene, result.glare
+    scene, after = result.scene, result.picture
     output.write_all(
         [
-            lambda: output.write_display(files[4], views.before_and_after(scene, after.picture)),
-            lambda: output.write_display(files[3], views.exposed(after.picture, scene)),
-            lambda: output.write(files[2], after.psf, "float"),
-            lambda: output.write(files[1], after.picture, "float"),
+            lambda: output.write_display(files[5], views.before_and_after(scene, after)),
+            lambda: output.write_display(files[4], views.exposed(after, scene)),
+            lambda: output.write(files[3], result.glare.psf, "float"),
+            lambda: output.write(files[2], result.ghosts.ghosts, "float"),
+            lambda: output.write(files[1], after, "float"),
             lambda: output.write(files[0], scene, "float"),
         ]
     )
-    output.report("demo", after.report, files, as_json, time.perf_counter() - start)
+    ghosts = {name: result.ghosts.report[name] for name in ("lens", "ghosts", "ghost_to_image")}
+    output.report("demo", result.glare.report | ghosts, files, as_json, time.perf_counter() - start)

@@ -3,20 +3,31 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from aureole import picture
+from aureole import flare, picture
+from aureole.jobs.flare import FlareJob, FlareResult, run_flare
 from aureole.jobs.glare import GlareJob, GlareResult, run_glare
-from aureole.jobs.optics import Optics
+from aureole.jobs.optics import DEFAULT_CAMERA, Opening, Optics
+from aureole.presets import CameraPreset, load
 from aureole.records import Picture, Stage
+
+# A lens of the camera's focal length whose glass is bare, so that its ghosts are seen without a gain.
+LENS = "zeiss_biotar_50mm"
+# The lamps of the scene that are bright enough, in candela per square metre, and how many of them count.
+LAMP_LUMINANCE, LAMPS = 2000.0, 3
+GHOSTS = "top:10"
+GLARE_DONE = 0.6
 
 
 @dataclass(frozen=True)
 class DemoJob:
-    """The bundled scene and the camera to see it with.
+    """The bundled scene, and the camera and the lens to see it with.
 
     Parameters
     ----------
     optics : Optics
-        The camera.
+        The camera, whose starbursts all lamps have.
+    lens : str
+        The lens, whose ghosts the brightest lamps have.
     shape : tuple of int
         (rows, columns) of the scene.
     seed : int
@@ -24,6 +35,7 @@ class DemoJob:
     """
 
     optics: Optics = field(default_factory=Optics)
+    lens: str = LENS
     shape: tuple[int, int] = (1080, 1920)
     seed: int = 1
 
@@ -38,10 +50,16 @@ class DemoResult:
         Without glare.
     glare : GlareResult
         With it.
+    ghosts : FlareResult
+        The ghosts by themselves.
+    picture : Picture
+        The scene with its glare and its ghosts.
     """
 
     scene: Picture
     glare: GlareResult
+    ghosts: FlareResult
+    picture: Picture
 
 
 def run_demo(job: DemoJob) -> Iterator[Stage]:
@@ -59,9 +77,31 @@ def run_demo(job: DemoJob) -> Iterator[Stage]:
     """
     yield Stage(0.0, "painting the scene")
     scene = picture.night_scene(job.shape, job.seed)
-    result = None
+    glare = None
     for stage in run_glare(GlareJob(scene, job.optics)):
-        result = stage.result
-        yield Stage(0.2 + 0.8 * stage.fraction * 0.99, stage.label)
-    assert isinstance(result, GlareResult)
-    yield Stage(1.0, "demo", DemoResult(scene, result))
+        glare = stage.result
+        yield Stage(0.1 + (GLARE_DONE - 0.1) * stage.fraction, stage.label)
+    assert isinstance(glare, GlareResult)
+    ghosts = None
+    for stage in run_flare(_flare_job(job, scene)):
+        ghosts = stage.result
+        yield Stage(GLARE_DONE + (0.99 - GLARE_DONE) * stage.fraction, stage.label)
+    assert isinstance(ghosts, FlareResult)
+    whole = Picture(glare.picture.pixels + ghosts.ghosts.pixels, scene.colour_space, scene.metadata)
+    yield Stage(1.0, "demo", DemoResult(scene, glare, ghosts, whole))
+
+
+def _flare_job(job: DemoJob, scene: Picture) -> FlareJob:
+    """Let the brightest lamps shine into the lens as points, its iris set as the camera's."""
+    camera: CameraPreset = load("cameras", job.optics.preset or DEFAULT_CAMERA)
+    return FlareJob(
+        flare.load(job.lens),
+        over=scene,
+        find=LAMP_LUMINANCE,
+        most_lights=LAMPS,
+        ghosts=GHOSTS,
+        f_number=job.optics.f_number or camera.f_number,
+        opening=Opening(),
+        iris=job.optics.iris or camera.iris,
+        points=1,
+    )
