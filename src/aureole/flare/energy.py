@@ -283,10 +283,10 @@ def shortlist(
         points = np.stack([x.ravel(), y.ravel()], axis=1)
         for first in range(0, len(paths), MANY):
             some = paths[first : first + MANY]
-            grids = np.broadcast_to(points, (len(some), *points.shape))
-            rays = tracing.follow(prepared, some, grids, tracing.travel(light.direction))
+            counts, grids = [len(points)] * len(some), np.tile(points, (len(some), 1))
+            rays = tracing.follow(prepared, some, counts, grids, tracing.travel(light.direction))
             seen = (np.abs(rays.x) <= lens.sensor[0] / 2.0) & (np.abs(rays.y) <= lens.sensor[1] / 2.0)
-            carried = np.where(rays.passed & seen, rays.weight, 0.0).sum(axis=(1, 2), dtype=np.float64)
+            carried = np.where(rays.passed & seen, rays.weight, 0.0).reshape(len(some), -1).sum(axis=1)
             found[first : first + MANY] += light.irradiance * carried
     order = np.argsort(-found, kind="stable")[:count]
     return [paths[k] for k in order if found[k] > 0.0]
