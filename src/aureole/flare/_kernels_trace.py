@@ -59,8 +59,8 @@ def follow(
         Where rays cross the plane of the first vertex.
     direction : ndarray, shape (3,)
         Unit vector of travel.
-    ways : ndarray of int64, shape (steps, 2)
-        Surface, and 1 where it throws the light back.
+    ways : ndarray of int64, shape (steps, 3)
+        Surface, 1 where it throws the light back, and 1 where this crossing of the stop is told.
     shapes : ndarray, shape (S + 1, 9)
         Curvature, curved along x, along y, 1 + conic constant, place, 1 over the square of the semi-aperture,
         kind (0 sphere, 1 any other), 1 over the stop's radius (0 elsewhere), whether a coating is
@@ -123,7 +123,7 @@ def _through(
         elif before != behind or mirror:
             _bare(rays, np.float32(before), np.float32(behind), mirror)
         if at_stop:
-            _stop(rays, np.float32(shape[7]))
+            _stop(rays, np.float32(shape[7]), way[step, 2] == 1)
         ahead, place = ahead != mirror, shape[4]
     for i in range(BLOCK):
         rays[Z + i] -= np.float32(shapes[-1, 4] - place)
@@ -291,17 +291,14 @@ def _coated(rays: Singles, low: int, c: Singles) -> None:
 
 
 @_inner()
-def _stop(rays: Singles, scale: Real) -> None:
-    """Keep where a ray crosses the stop outermost; a crossing further in counts in the level."""
+def _stop(rays: Singles, scale: Real, told: bool) -> None:
+    """Keep where rays cross the stop, or note in their levels how far from its middle they do."""
     for i in range(BLOCK):
-        x, y = rays[X + i] * scale, rays[Y + i] * scale
-        last_x, last_y, level = rays[STOP_X + i], rays[STOP_Y + i], rays[LEVEL + i]
-        square, last = x * x + y * y, last_x * last_x + last_y * last_y
-        outer = square > last
-        inner = last if outer else square
-        rays[LEVEL + i] = inner if inner > level else level
-        rays[STOP_X + i] = x if outer else last_x
-        rays[STOP_Y + i] = y if outer else last_y
+        x, y, level = rays[X + i] * scale, rays[Y + i] * scale, rays[LEVEL + i]
+        square = ZERO if told else x * x + y * y
+        rays[LEVEL + i] = square if square > level else level
+        rays[STOP_X + i] = x if told else rays[STOP_X + i]
+        rays[STOP_Y + i] = y if told else rays[STOP_Y + i]
 
 
 @_inner()

@@ -193,7 +193,7 @@ def power(lens: Lens, traced: Traced) -> Numbers:
     return np.where(traced.reached, left, 0.0)
 
 
-def stop_points(lens: Lens, traced: Traced) -> Numbers:
+def stop_points(lens: Lens, traced: Traced, crossing: int = 0) -> Numbers:
     """Return where rays cross the stop, in parts of its semi-aperture.
 
     Parameters
@@ -202,16 +202,19 @@ def stop_points(lens: Lens, traced: Traced) -> Numbers:
         The lens that the rays went through.
     traced : Traced
         The rays.
+    crossing : int
+        Which time they cross it, counted from 0: ghosts across the stop cross it three times.
 
     Returns
     -------
     ndarray, shape (N, 2)
-        (x, y) of the outermost crossing: ghosts across the stop cross it three times.
+        (x, y) of that crossing, or of the last where there are fewer.
     """
     places = traced.points[1:-1, :, :2] / lens.surfaces[lens.stop].semi_aperture
-    distance = np.where(traced.surfaces == lens.stop, np.hypot(places[..., 0], places[..., 1]), -1.0)
-    outermost = np.argmax(distance, axis=0)
-    return np.asarray(places[outermost, np.arange(places.shape[1])])
+    at_stop = traced.surfaces == lens.stop
+    turn = np.minimum(np.cumsum(at_stop, axis=0), crossing + 1)
+    step = np.argmax(np.where(at_stop, turn, 0), axis=0)
+    return np.asarray(places[step, np.arange(places.shape[1])])
 
 
 def _ways(lens: Lens, reflections: NDArray[np.int64], count: int) -> tuple[NDArray[np.int64], Flags]:

@@ -97,10 +97,11 @@ class Rays(Landed):
     weight : ndarray of float32, shape (W, N)
         Part of the ray's power that reflections and refractions leave.
     level : ndarray of float32, shape (W, N)
-        Largest distance from the axis over the semi-aperture, of all surfaces met but the iris's outermost
-        crossing.
+        Largest distance from the axis over the semi-aperture, of all surfaces met but one crossing of the
+        iris, `told_crossing`'s.
     stop_x, stop_y : ndarray of float32, shape (W, N)
-        That crossing, in parts of the iris's radius. A ray passes a round iris where it reached the sensor
+        That crossing, in parts of the iris's radius; ghosts across the stop cross it twice more, and those
+        crossings count in the level as if the iris were round. A ray passes a round iris where it reached the sensor
         with level <= 1 and stop_x² + stop_y² <= 1.
     reached : ndarray of bool, shape (W, N)
         Whether the ray met all surfaces; where it did not, the other values are finite and mean nothing.
@@ -282,7 +283,7 @@ def follow(
         Arrays of one axis: path after path, for each all wavelengths, for each all points.
     """
     waves = len(prepared.wavelengths)
-    ways = [np.array(steps(prepared.lens, reflections(path)), dtype=np.int64) for path in paths]
+    ways = [_way(prepared, path) for path in paths]
     ends = np.cumsum([0, *(len(way) for way in ways)])
     starts = np.cumsum([0, *counts])
     pieces = []
@@ -302,6 +303,51 @@ def follow(
             pass
     x, y, weight, level, stop_x, stop_y = floats
     return Rays(x, y, weight, level, stop_x, stop_y, reached)
+
+
+def told_crossing(prepared: Prepared, path: Path) -> int:
+    """Return which of a way's crossings of the stop is told by `stop_x` and `stop_y`: the widest one.
+
+    Parameters
+    ----------
+    prepared : Prepared
+        The lens.
+    path : GhostPath or sequence of int
+        The way.
+
+    Returns
+    -------
+    int
+        Counted from 0; where the ray near the axis is highest on the stop. It is the same for all rays, so
+        that places on the stop can be interpolated between them.
+    """
+    way = steps(prepared.lens, reflections(path))
+    if sum(k == prepared.lens.stop for k, _ in way) < 2:
+        return 0
+    heights = []
+    curvatures, places = prepared.shapes[:, 0] * prepared.shapes[:, 2], prepared.shapes[:, 4]
+    indices = prepared.indices[len(prepared.indices) // 2]
+    height, slope, place, ahead = 1.0, 0.0, 0.0, True
+    for k, mirror in way:
+        height += slope * (places[k] - place)
+        lean = curvatures[k] * height
+        if k == prepared.lens.stop:
+            heights.append(abs(height))
+        if mirror:
+            slope, ahead = -slope - 2.0 * lean, not ahead
+        else:
+            before, behind = (k, k + 1) if ahead else (k + 1, k)
+            slope = indices[before] / indices[behind] * (slope + lean) - lean
+        place = places[k]
+    return int(np.argmax(heights))
+
+
+def _way(prepared: Prepared, path: Path) -> NDArray[np.int64]:
+    """Return a way's steps: surface, whether it throws back, whether this crossing of the stop is told."""
+    way = np.array([(*step, 0) for step in steps(prepared.lens, reflections(path))], dtype=np.int64)
+    crossings = np.flatnonzero(way[:, 0] == prepared.lens.stop)
+    way[crossings[told_crossing(prepared, path)], 2] = 1
+    return way
 
 
 @functools.cache
