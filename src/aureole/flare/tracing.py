@@ -101,8 +101,8 @@ class Rays(Landed):
         iris, `told_crossing`'s.
     stop_x, stop_y : ndarray of float32, shape (W, N)
         That crossing, in parts of the iris's radius; ghosts across the stop cross it twice more, and those
-        crossings count in the level as if the iris were round. A ray passes a round iris where it reached the sensor
-        with level <= 1 and stop_x² + stop_y² <= 1.
+        crossings count in the level as if the iris were round. A ray passes a round iris where it reached the
+        sensor with level <= 1 and stop_x² + stop_y² <= 1.
     reached : ndarray of bool, shape (W, N)
         Whether the ray met all surfaces; where it did not, the other values are finite and mean nothing.
     """
