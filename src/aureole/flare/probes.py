@@ -15,12 +15,15 @@ from aureole.flare import rays as real_rays
 from aureole.flare import tracing
 from aureole.flare.tracing import Flags, Numbers, Path, Prepared, Rays, Singles
 
-# Rays along each side of the first grid over the front, and of the following ones, and how many follow.
-COARSE, FINE, ROUNDS = 24, 16, 4
+# Rays along each side of the first grid over the front (odd, so that one is in the middle) and of those that
+# follow, and how many follow.
+COARSE, FINE, ROUNDS = 25, 16, 4
 # A lost ray's merit is above 1; beyond the second, merits say nothing of what lies between.
 JUST_LOST, FAR = np.float32(1.001), np.float32(3.0)
 # A box that has shrunk to less than this part is tried once more.
 WORTH = 0.6
+# By which part of its side a box grows where light was found at its border.
+GROWTH = 0.25
 # Fewest cells along a side; numbers of cells are multiples of the second, so that blocks of them merge.
 LEAST, MULTIPLE = 8, 4
 
@@ -75,15 +78,16 @@ def probe(
     """
     count = len(prepared.wavelengths)
     middle = tracing.at(prepared, [count // 2])
-    boxes = np.tile(whole(prepared, along), (len(paths), 1))
-    lit, growing = np.ones(len(paths), dtype=np.bool_), np.arange(len(paths))
-    for turn in range(ROUNDS):
-        few = [paths[int(k)] for k in growing]
-        found = grid_of(middle, few, boxes[growing], FINE if turn else COARSE, along)
-        near = _hopeful(_merit(found, window), found.reached, 1.0)[:, 0]
-        lit[growing], before = np.logical_or.reduce(near, axis=(1, 2)), _areas(boxes[growing])
-        boxes[growing] = _around(near, boxes[growing], 1.0)
-        growing = growing[lit[growing] & (_areas(boxes[growing]) < WORTH * before)]
+    boxes, lit = _first(middle, paths, along, window)
+    front, growing = whole(prepared, along), np.flatnonzero(lit)
+    for _ in range(ROUNDS):
+        few, before = [paths[int(k)] for k in growing], boxes[growing]
+        near = _near(grid_of(middle, few, before, FINE, along), window, 1.0)
+        lit[growing] = np.logical_or.reduce(near, axis=(1, 2))
+        boxes[growing] = _around(near, before, 1.0, front)
+        # Boxes that no longer shrink are done, unless light was found at their border.
+        shrunk = _areas(boxes[growing]) < WORTH * _areas(before)
+        growing = growing[lit[growing] & (shrunk | _at_border(near))]
         if not growing.size:
             break
     # The last grid has all wavelengths, the shortest and the longest of many.
@@ -92,8 +96,7 @@ def probe(
     found = grid_of(ends, [paths[int(k)] for k in left], boxes[left], FINE, along)
     merit = _merit(found, window)
     passes = (merit <= 1.0).any(axis=(1, 2, 3))
-    near = np.logical_or.reduce(_hopeful(merit, found.reached, 0.5), axis=1)
-    tight = _around(near, boxes[left], 0.5)
+    tight = _around(_near(found, window, 0.5), boxes[left], 0.5)
     steps = (boxes[left, 2:] - boxes[left, :2]) / (FINE - 1)
     some = np.flatnonzero(passes)
     return Probes(left[some], tight[some], steps[some], found.taken(some), merit[some])
@@ -240,17 +243,58 @@ def _shifted(values: Values, axis: int, first: int) -> Values:
     return np.pad(values, more)
 
 
-def _around(near: Flags, boxes: Numbers, margin: float) -> Numbers:
-    """Return boxes around the rays of square grids that are marked, and so many steps more."""
+def _near(found: Rays, window: tuple[float, float] | None, reach: float) -> Flags:
+    """Return where one of the wavelengths passes or might, shape (G, side, side)."""
+    hopeful = _hopeful(_merit(found, window), found.reached, reach)
+    return np.asarray(np.logical_or.reduce(hopeful, axis=1), dtype=np.bool_)
+
+
+def _first(
+    prepared: Prepared, paths: Sequence[Path], along: Numbers, window: tuple[float, float] | None
+) -> tuple[Numbers, Flags]:
+    """Return each path's first box, from rays over the whole front, and whether there is any hope."""
+    front = whole(prepared, along)
+    boxes = np.tile(front, (len(paths), 1))
+    found = grid_of(prepared, paths, boxes, COARSE, along)
+    dark = np.flatnonzero(~found.passed.any(axis=(1, 2, 3)))
+    near = _near(found, window, 1.0)
+    lit = np.asarray(np.logical_or.reduce(near, axis=(1, 2)), dtype=np.bool_)
+    boxes = _around(near, boxes, 1.0)
+    if dark.size:
+        # The weakest ghosts enter by a small part of where the image's light does.
+        image = _near(grid_of(prepared, [()], front[None], COARSE, along), None, 1.0)
+        inner = np.tile(_around(image, front[None], 1.0), (dark.size, 1))
+        found = grid_of(prepared, [paths[int(k)] for k in dark], inner, COARSE, along)
+        seen = np.flatnonzero(found.passed.any(axis=(1, 2, 3)))
+        boxes[dark[seen]] = _around(_near(found.taken(seen), window, 1.0), inner[seen], 1.0)
+        lit[dark[seen]] = True
+    return boxes, lit
+
+
+def _around(near: Flags, boxes: Numbers, margin: float, most: Numbers | None = None) -> Numbers:
+    """Return boxes around the rays of square grids that are marked, and so many steps more.
+
+    Where `most` is given, a box grows by a quarter beyond a border that is marked, at most to that box.
+    """
     side = near.shape[-1]
     steps = (boxes[:, 2:] - boxes[:, :2]) / (side - 1)
     found = np.empty_like(boxes)
     for k, other in ((0, 1), (1, 2)):
         marked = np.logical_or.reduce(near, axis=other)
         first, last = marked.argmax(axis=1), side - 1 - marked[:, ::-1].argmax(axis=1)
-        found[:, k] = boxes[:, k] + (first - margin) * steps[:, k]
-        found[:, k + 2] = boxes[:, k] + (last + margin) * steps[:, k]
+        before = margin + (0.0 if most is None else GROWTH * side * (first == 0))
+        behind = margin + (0.0 if most is None else GROWTH * side * (last == side - 1))
+        found[:, k] = boxes[:, k] + (first - before) * steps[:, k]
+        found[:, k + 2] = boxes[:, k] + (last + behind) * steps[:, k]
+    if most is not None:
+        found[:, :2], found[:, 2:] = np.maximum(found[:, :2], most[:2]), np.minimum(found[:, 2:], most[2:])
     return np.where(np.logical_or.reduce(near, axis=(1, 2))[:, None], found, boxes)
+
+
+def _at_border(near: Flags) -> Flags:
+    """Return whether a ray on the border of its grid is marked."""
+    rim = near[:, 0].any(axis=1) | near[:, -1].any(axis=1)
+    return np.asarray(rim | near[:, :, 0].any(axis=1) | near[:, :, -1].any(axis=1), dtype=np.bool_)
 
 
 def _areas(boxes: Numbers) -> Numbers:
