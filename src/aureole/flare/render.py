@@ -94,7 +94,7 @@ class Options:
     wavelengths: int = DEFAULT_WAVELENGTHS
     blend: str = "blended"
     band_step: float = 3.0
-    bands: int = 16
+    bands: int = 8
     grid: int = 128
     adapt: str = "frame"
     error: float = 0.25
