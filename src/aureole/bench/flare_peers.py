@@ -29,17 +29,17 @@ OURS, SLOW = "Aureole", "Aureole's reference"
 COLUMNS = (
     Column("lens", "{lens}", words=True),
     Column("ghost", "{ghost}", words=True),
-    Column("rays by", "{way}", words=True),
+    Column("tracer", "{way}", words=True),
     Column("ms", "{ms:.1f}"),
-    Column("million rays/s", "{million_rays_per_second:.2f}"),
-    Column("times ours", "{ratio:.1f}x"),
-    Column("farthest apart", "{farthest_um:.1e} µm"),
+    Column("Mrays/s", "{million_rays_per_second:.2f}"),
+    Column("ratio", "{ratio:.1f}x"),
+    Column("apart", "{farthest_um:.1e} µm"),
 )
 NOTES = (
     "Parallel rays of one wavelength over the part of the pupil that the way uses, medians of runs in turn. "
     "Aureole also finds each ray's energy, its place in the iris and how near it comes to rims; optiland "
     "also keeps every ray's place on every surface. No semi-aperture stops a ray here.",
-    "farthest apart: from Aureole's reference, of the rays that pass all semi-apertures.",
+    "apart: farthest from Aureole's reference, of the rays that pass all semi-apertures.",
     "Renderers of ghosts are not here: realflare 0.6.4 does not install on Python 3.11 (it asks for PySide2 "
     "and for a package that is not on PyPI), FlareSim and OpenLensFlare are no Python packages. ray-optics "
     "traces one ray at a time.",
