@@ -20,8 +20,8 @@ from aureole.records import Light, Picture, Spectrum
 # No lens here sees a light beside itself; the tangent has no end there.
 WIDEST = math.radians(89.0)
 # How far apart, on the picture, the points lie that stand for a light of some size; the most of them.
-POINT_STEP = 2.0
-MOST_POINTS = 64
+POINT_STEP = 3.0
+MOST_POINTS = 32
 GOLDEN_ANGLE = math.pi * (3.0 - math.sqrt(5.0))
 COLOUR_NAME = "colour"
 # Mean and width of the three smooth lights of which colours are mixed, metres; their triangle of
@@ -174,7 +174,7 @@ def point_count(lens: Lens, source: Light, shape: tuple[int, int], most: int = M
     Returns
     -------
     int
-        As many as lie two pixels apart on the light's own image, and at most `most`.
+        As many as lie three pixels apart on the light's own image, and at most `most`.
     """
     across = max(pixels_per_tangent(lens, shape)) * math.tan(0.5 * source.angular_size) / POINT_STEP
     return min(max(math.ceil(math.pi * across**2), 1), refuse.at_least("most", most, 1))

@@ -80,8 +80,8 @@ class Options:
     coordinates : str
         One of `aureole.flare.raster.COORDINATES`.
     points : int, optional
-        How many points stand for a light of some size; as many as lie two pixels apart on its image, at most
-        64, without it.
+        How many points stand for a light of some size; as many as lie three pixels apart on its image, at
+        most 32, without it.
     gain : float
         Multiplies the picture, and nothing else: the ratio in the metadata is that of the lens.
     white : Spectrum, optional
@@ -235,7 +235,7 @@ def render_stages(
     waiting: list[Primitives] = []
     palette = _Palette()
     for done, (source, batch) in enumerate(work, 1):
-        waiting.append(_primitives(scene, source, batch, palette))
+        waiting.append(_primitives(scene, source, _traced(scene, source, batch), palette))
         if done == len(work) or sum(len(part.area) for part in waiting) > MOST_PRIMITIVES:
             picture += _drawn(scene, _joined(waiting), palette, scene.frame)
             waiting = []
@@ -272,10 +272,16 @@ def render_layers(
         As in `render`.
     """
     scene = _scene(lens, lights, shape, _options(options))
-    for path in scene.paths:
-        palette = _Palette()
-        parts = [_primitives(scene, source, [path], palette) for source in scene.sources]
-        yield _layer(scene, path, _joined(parts), palette)
+    # As many ghosts are traced at once as there are fewer lights.
+    batch = max(BATCH // len(scene.sources), 1)
+    for start in range(0, len(scene.paths), batch):
+        together = scene.paths[start : start + batch]
+        traced = [(source, _traced(scene, source, together)) for source in scene.sources]
+        for path in together:
+            palette = _Palette()
+            own = [(source, [each for each in sheets if each.path is path]) for source, sheets in traced]
+            parts = [_primitives(scene, source, sheets, palette) for source, sheets in own if sheets]
+            yield _layer(scene, path, parts, palette)
 
 
 def _options(given: dict[str, Any]) -> Options:
@@ -385,13 +391,19 @@ def _image_powers(
     return np.asarray(passed.sum(axis=(1, 2), dtype=np.float64) * sheet.cell)
 
 
-def _primitives(scene: _Scene, source: _Source, paths: Sequence[GhostPath], palette: _Palette) -> Primitives:
-    """Trace ghosts of one point of light and return their quads in all bands."""
+def _traced(scene: _Scene, source: _Source, paths: Sequence[GhostPath]) -> list[pupil.Sheet]:
+    """Trace ghosts of one point of light; those without light in the frame have no sheet."""
+    grid, fit = scene.options.grid, _fit(scene)
+    return pupil.sheets(source.blend.prepared, paths, source.direction, grid, *fit)
+
+
+def _primitives(
+    scene: _Scene, source: _Source, traced: Sequence[pupil.Sheet], palette: _Palette
+) -> Primitives:
+    """Return the quads of ghosts in all bands."""
     options = scene.options
-    prepared, towards = source.blend.prepared, source.direction
-    traced = pupil.sheets(prepared, paths, towards, options.grid, *_fit(scene))
     spread = scene.frame, options.band_step, options.bands
-    sheets, colours = blending.in_bands(source.blend, traced, towards, *spread)
+    sheets, colours = blending.in_bands(source.blend, traced, source.direction, *spread)
     rows = [palette.add(each * source.scale) for each in colours]
     return primitives.construct(sheets, scene.frame, rows, options.merge)
 
@@ -418,11 +430,12 @@ def _drawn(scene: _Scene, quads: Primitives, palette: _Palette, frame: primitive
     return raster.rasterize(quads, palette.table(), frame, options.method, options.coordinates, iris)
 
 
-def _layer(scene: _Scene, path: GhostPath, quads: Primitives, palette: _Palette) -> GhostLayer:
+def _layer(scene: _Scene, path: GhostPath, parts: Sequence[Primitives], palette: _Palette) -> GhostLayer:
     """Draw one ghost on the window that its quads touch."""
     rows, columns = scene.frame.shape
-    if not len(quads.area):
+    if not sum(len(part.area) for part in parts):
         return GhostLayer(path, 0, 0, np.zeros((0, 0, 3), dtype=np.float32))
+    quads = _joined(parts)
     places = quads.corners.reshape(-1, 2)
     low = np.clip(np.floor(places.min(axis=0)) - MARGIN, 0, (columns, rows)).astype(int)
     high = np.clip(np.ceil(places.max(axis=0)) + MARGIN, 0, (columns, rows)).astype(int)
