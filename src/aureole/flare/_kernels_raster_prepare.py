@@ -13,8 +13,10 @@ F64 = NDArray[np.float64]
 I8 = NDArray[np.int8]
 I32 = NDArray[np.int32]
 
-# A quad is rough below this area in pixels, or where its smallest corner is under this part of its largest.
-SMALLEST_AREA, SMALLEST_CORNER = 1.0, 0.1
+# A quad is rough where its cells have less than this area in pixels, or where its smallest corner is under
+# this part of its largest. Merged ones lie beside rough cells, whose power is exact, so they are rough, too, up
+# to a size at which a pixel's edge no longer counts.
+SMALLEST_AREA, SMALLEST_CORNER, LARGEST_ROUGH = 1.0, 0.1, 100.0
 # Part of the brightness that a plane may leave unsaid.
 FLAT_ENOUGH = 0.005
 # Pixels by which planes of level and place on the stop may move an edge of light.
@@ -28,6 +30,7 @@ def prepare(
     corners: F32,
     rays: F32,
     areas: F32,
+    merged: I32,
     opened: I32,
     frame: I32,
     start: int,
@@ -46,6 +49,8 @@ def prepare(
         Weight, level, stop_x and stop_y of each corner.
     areas : ndarray of float32, shape (P,)
         Pupil's areas, m².
+    merged : ndarray of int32, shape (P,)
+        Cells along each side.
     opened : ndarray of int32, shape (2, rows + 1, columns + 1)
         Sums of an iris's samples that are wholly open, and wholly closed; (2, 1, 1) for a round one.
     frame : ndarray of int32, shape (2,)
@@ -78,7 +83,8 @@ def prepare(
         least, most = turns[0], turns[0]
         for k in range(1, 4):
             least, most = min(least, turns[k]), max(most, turns[k])
-        if area >= SMALLEST_AREA and least > SMALLEST_CORNER * most:
+        fine = min(SMALLEST_AREA * merged[p] * merged[p], LARGEST_ROUGH)
+        if area >= fine and least > SMALLEST_CORNER * most:
             unsaid = brightness(quad, rays[p], areas[p], area, boxes[p], sides, turns, table[p])
             kinds[p] = CURVED
             if unsaid <= FLAT_ENOUGH and (passing == FLAT or twist(quad, rays[p], sides, area) <= STRAIGHT):

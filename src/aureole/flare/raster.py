@@ -281,7 +281,7 @@ def _prepare(primitives: Primitives, iris: F32, frame: Frame) -> _Prepared:
     opened = np.zeros((2, iris.shape[0] + 1, iris.shape[1] + 1), dtype=np.int32)
     for k, wanted in enumerate((1.0, 0.0)):
         opened[k, 1:, 1:] = np.cumsum(np.cumsum(iris == wanted, axis=0, dtype=np.int32), axis=1)
-    arrays = primitives.corners, primitives.attributes, primitives.area, opened
+    arrays = primitives.corners, primitives.attributes, primitives.area, primitives.size, opened
     size = np.array([frame.shape[1], frame.shape[0]], dtype=np.int32)
     _in_parts(lambda start, stop: numbers.prepare(*arrays, size, start, stop, *ready), count)
     return ready
