@@ -14,8 +14,8 @@ I8 = NDArray[np.int8]
 I32 = NDArray[np.int32]
 
 # A quad is rough where its cells have less than this area in pixels, or where its smallest corner is under
-# this part of its largest. Merged ones lie beside rough cells, whose power is exact, so they are rough, too, up
-# to a size at which a pixel's edge no longer counts.
+# this part of its largest. Merged ones lie beside rough cells, whose power is exact, so they are rough, too,
+# up to a size at which a pixel's edge no longer counts.
 SMALLEST_AREA, SMALLEST_CORNER, LARGEST_ROUGH = 1.0, 0.1, 100.0
 # Part of the brightness that a plane may leave unsaid.
 FLAT_ENOUGH = 0.005
