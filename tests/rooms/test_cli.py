@@ -164,7 +164,9 @@ def test_presets_are_listed(capsys):
     assert "full-frame-50mm-f16" in json.loads(capsys.readouterr().out)["cameras"]
 
 
-@pytest.mark.parametrize("command", [[], ["glare"], ["starburst"], ["aperture"], ["demo"], ["presets"]])
+@pytest.mark.parametrize(
+    "command", [[], ["glare"], ["starburst"], ["flare"], ["aperture"], ["demo"], ["presets"]]
+)
 def test_help_teaches_by_example(command, capsys):
     assert run([*command, "--help"]) == 0
     text = " ".join(capsys.readouterr().out.split())

@@ -6,7 +6,7 @@ import numpy as np
 import OpenImageIO
 import pytest
 
-from aureole import Picture, picture
+from aureole import Picture, flare, picture
 from aureole.cli.flare_options import place
 from aureole.cli.main import run
 from aureole.refuse import Refusal
@@ -109,16 +109,24 @@ def test_colours_and_sizes_of_lights(tmp_path, capsys):
     assert found["lights"][1]["angles_deg"] == pytest.approx([-1, -1])
 
 
-def test_other_programs_lenses_and_zooms(tmp_path, capsys):
-    """A FlareSim file through the importer; a zoom's position by its name."""
-    text = (
-        "name: Plain\nfocal_length: 50\nsurfaces:\n"
-        "30.0 5.0 1.6 60.0 20.0 1\n-100.0 5.0 1.0 0 20.0 0\n0 40 1.0 0 8.0 0\n"
-    )
-    path = tmp_path / "plain.lens"
-    path.write_text(text, encoding="utf-8")
-    said = refused(["flare", "--lens", path, *LIGHT, "--state", "wide", "-o", tmp_path / "a.exr"], capsys)
-    assert said
+def test_lens_files_and_zooms(tmp_path, capsys):
+    """A Zemax file of the lens has the same ghosts; a zoom moves to the position that is named."""
+    lens = flare.load(HELIAR)
+    lines = ["MODE SEQ", "NAME Copy", "UNIT MM X W X CM MR CPMM", "SURF 0", "  CURV 0.0", "  DISZ INFINITY"]
+    for k, surface in enumerate(lens.surfaces, 1):
+        lines += [f"SURF {k}", *["  STOP"] * surface.stop, f"  CURV {surface.curvature / 1e3!r} 0 0 0 0"]
+        lines += [f"  DISZ {1e3 * surface.thickness!r}", f"  DIAM {1e3 * surface.semi_aperture!r} 1 0 0 1"]
+        glass = surface.glass
+        lines += [f"  GLAS ___BLANK 1 0 {glass.index} {glass.abbe} 0 0 0 0 0 0"] * (glass.index != 1)
+    path = tmp_path / "copy.zmx"
+    path.write_text("\n".join([*lines, f"SURF {len(lens.surfaces) + 1}", "  CURV 0.0"]), encoding="utf-8")
+    words = ["flare", "--size", "160x90", *LIGHT, "--only", "7-9", "-o", tmp_path / "a.exr", "--json"]
+    own, copied = (told([*words, "--lens", name], capsys) for name in (HELIAR, path))
+    assert copied["focal_length_m"] == pytest.approx(own["focal_length_m"], rel=1e-4)
+    assert copied["ghosts"] == 1
+    zoom = flare.load("canon_tele_zoom_70mm")
+    found = told([*words, "--lens", zoom.name, "--state", zoom.states[0].name], capsys)
+    assert found["focal_length_m"] == pytest.approx(zoom.states[0].focal_length, rel=0.02)
 
 
 @pytest.mark.parametrize(
