@@ -26,10 +26,10 @@ def coordinates(quads: ArrayLike, points: ArrayLike, method: str = "bilinear") -
     points : array_like, shape (N, 2)
         One for each quad, in the same unit.
     method : str
-        "triangle" (Eq. 3-4) and "homogeneous" (Eq. 5-6): the triangle of corners 0, 1, 2 or 0, 2, 3 on the
-        point's side; "mean-value" (Eq. 7), for every quad; "wachspress" (Eq. 8-9) and "loop-derose"
-        (Eq. 8, 10), for convex ones; "bilinear": the corners' weights (1-u)(1-v), u(1-v), uv, (1-u)v;
-        "reference": these in plain steps.
+        "triangle" (Eq. 3-4) and Skala's "homogeneous" (Eq. 5-6): the triangle of corners 0, 1, 2 or 0, 2, 3
+        on the point's side; Hormann and Tarini's "mean-value" (Eq. 7), for every quad; "wachspress"
+        (Eq. 8-9) and "loop-derose" (Eq. 8, 10), for convex ones; "bilinear": the corners' weights
+        (1-u)(1-v), u(1-v), uv, (1-u)v; "reference": these in plain steps.
 
     Returns
     -------
