@@ -1,9 +1,9 @@
 """The tile paper's five lenses, two lights, and their grids of rays (Eq. 13).
 
-The paper does not say over what its grids lie. Its counts of primitives are near those of grids over the
-whole front of the lens with the iris open, the iris being a mask that the raster looks up: "front". With the
-iris as far closed as the paper says, such a grid has a few rays a ghost. "bounds" are grids of as many rays
-over the part of the pupil that each ghost uses, the iris closed.
+The paper does not say over what its grids lie, nor where its lights stand, so counts of primitives agree in
+order only. "bounds" are grids over the part of the pupil that each ghost uses, the iris closed. "front" are
+grids over the whole front of the lens with the iris open; the closed one is a mask that the raster looks up,
+since with the iris as far closed as the paper says such a grid has a few rays a ghost.
 """
 
 import dataclasses
