@@ -252,6 +252,7 @@ def test_ghosts_are_chosen_hidden_and_alone(heliar):
         ({"illuminant": "D66"}, "illuminant"),
         ({"colour_space": "rgb"}, "'colour-space' must be one of"),
         ({"opening": jobs.Opening(width=1e-3)}, "--f-number sets the iris's size"),
+        ({"shape": (20_000, 30_000), "memory": 10**9}, "needs about 48 GB of memory, 1 GB are allowed"),
         ({"lamps": (Lamp((95 * DEGREE, 0.0)),)}, "less than 89 degrees .* got 95"),
         ({"over": night(), "shape": SHAPE, "lamps": (LAMP,)}, "'size' does not go with 'over'"),
         ({"over": night(), "colour_space": "acescg", "lamps": (LAMP,)}, "'colour-space' does not go with"),

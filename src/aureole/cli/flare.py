@@ -63,7 +63,7 @@ def flare(
     over: flare_options.Over = None,
     size: flare_options.Size = None,
     layers: flare_options.LayersFlag = False,
-    colour_space: options.ColourSpace = "rec709",
+    colour_space: flare_options.ColourSpace = "rec709",
     preview: options.Preview = None,
     memory: options.Memory = None,
     as_json: options.Json = False,

@@ -43,6 +43,14 @@ Size = Annotated[
     str | None,
     typer.Option("--size", help="Pixels: 1920x1080, as wide as the sensor.", rich_help_panel=FILES),
 ]
+ColourSpace = Annotated[
+    str,
+    typer.Option(
+        "--colour-space",
+        help="rec709, acescg, rec2020 or xyz; with --over the picture's own.",
+        rich_help_panel=FILES,
+    ),
+]
 Over = Annotated[
     Path | None,
     typer.Option(

@@ -30,6 +30,8 @@ from aureole.records import Aperture, Light, Picture, Spectrum, Stage
 SHAPE = (1080, 1920)
 ROUND = "circle"
 FILTERS: dict[str, Callable[[Picture], Picture]] = {"median": filters.median, "spectral": filters.spectral}
+# Measured peak, with starbursts, and as much again for a picture that is given.
+BYTES_PER_PIXEL = 80
 # Which part of the time ghosts take, and ghosts and starbursts together.
 GHOSTS_DONE, STARBURST_DONE = 0.75, 0.95
 
@@ -227,6 +229,7 @@ def _set_up(job: FlareJob) -> _Setup:
     if job.colour_space != "rec709" and job.over is not None:
         raise refuse.Refusal("'colour-space' does not go with 'over': the flare takes the picture's own.")
     lens, shape, window, shown = _frame(job)
+    _refuse_memory(job, shape)
     space = _space(job)
     over = None if job.over is None else Picture(job.over.pixels, space, job.over.metadata)
     corner = window.y, window.x
@@ -268,6 +271,16 @@ def _frame(job: FlareJob) -> tuple[Lens, tuple[int, int], Window, tuple[int, int
     lens = dataclasses.replace(job.lens, sensor=sensor)
     beyond = (height - shown.height) // 2, (width - shown.width) // 2
     return lens, (height, width), Window(left, top, columns, rows), beyond
+
+
+def _refuse_memory(job: FlareJob, shape: tuple[int, int]) -> None:
+    """Refuse a picture that would not fit, before any work."""
+    needed, limit = BYTES_PER_PIXEL * shape[0] * shape[1], picture.allowed_memory(job.memory)
+    if needed > limit:
+        raise refuse.Refusal(
+            f"a flare of {shape[1]} x {shape[0]} pixels needs about {needed / 1e9:.3g} GB of memory, "
+            f"{limit / 1e9:.3g} GB are allowed; see --memory and --size."
+        )
 
 
 def _covering(first: int, count: int, shown_first: int, shown: int) -> tuple[int, int]:
