@@ -209,7 +209,7 @@ def fill(
     sizes : ndarray of int8, shape (W, rows - 1, columns - 1)
         Exponents of the blocks' sizes.
     power : ndarray of float32, shape (W, rows - 1, columns - 1)
-        Sums of the blocks' mean weights, to which a merged block's weights are scaled; empty: they are not.
+        Sums of the cells' mean weights in each block, which a merged one keeps; empty: it does not.
     colours : ndarray of int32, shape (W,)
         Each wavelength's row of the table of colours.
     corners, attributes : ndarray of float32, shapes (P, 4, 2) and (P, 4, 4)
@@ -234,15 +234,75 @@ def fill(
                     known += reached[w, a, b]
                 if known < 4:
                     complete(reached[w], i, j, corners[k], attributes[k])
-                elif n > 1 and len(power):
-                    total = (
-                        attributes[k, 0, 0] + attributes[k, 1, 0] + attributes[k, 2, 0] + attributes[k, 3, 0]
-                    )
-                    factor = power[w, i, j] / (QUARTER * total * np.float32(n * n)) if total > ZERO else ONE
+                elif n == 1 or len(power):
+                    light = power[w, i, j] / np.float32(n * n) if n > 1 else mean_weight(attributes[k])
+                    even(x[w], y[w], reached[w], i, j, n, attributes[k])
+                    told = mean_weight(attributes[k])
+                    factor = light / told if told > ZERO else ONE
                     for c in range(4):
                         attributes[k, c, 0] *= factor
                 exponents[k], colour[k] = sizes[w, i, j], colours[w]
                 k += 1
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def mean_weight(attributes: F32) -> float:
+    """Return the mean of a block's corners' weights."""
+    mean: float = QUARTER * (attributes[0, 0] + attributes[1, 0] + attributes[2, 0] + attributes[3, 0])
+    return mean
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def even(x: F32, y: F32, reached: Flags, i: int, j: int, n: int, attributes: F32) -> None:
+    """Scale the weights of a block's corners so that brightness has no step between neighbours.
+
+    Brightness at a corner is the weight over the area of the parallelogram there. The block's own changes
+    from cell to cell; that of the node, the mean of those around it, does not.
+    """
+    m = np.float32(n * n)
+    for c in range(4):
+        # Around the block: down for the last two corners, right for the middle two.
+        a, b = i + n * (c >> 1), j + n * ((c ^ (c >> 1)) & 1)
+        shared = node_area(x, y, reached, a, b)
+        if shared != ZERO:
+            across, down = (n if b == j else -n), (n if a == i else -n)
+            ux, uy = x[a, b + across] - x[a, b], y[a, b + across] - y[a, b]
+            vx, vy = x[a + down, b] - x[a, b], y[a + down, b] - y[a, b]
+            own = (ux * vy - uy * vx) * (ONE if (across > 0) == (down > 0) else -ONE)
+            ratio = own / (m * shared)
+            if n == 1 or HALF < ratio < ONE + ONE:
+                attributes[c, 0] *= ratio
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def node_area(x: F32, y: F32, reached: Flags, i: int, j: int) -> float:
+    """Return the mean area of the four parallelograms at a node; 0 at a border, a fold or a lost ray."""
+    none: float = ZERO
+    rows, columns = x.shape
+    if i == 0 or j == 0 or i == rows - 1 or j == columns - 1:
+        return none
+    if not (reached[i - 1, j] and reached[i + 1, j] and reached[i, j - 1] and reached[i, j + 1]):
+        return none
+    ax, ay, bx, by = (
+        x[i, j + 1] - x[i, j],
+        y[i, j + 1] - y[i, j],
+        x[i, j] - x[i, j - 1],
+        y[i, j] - y[i, j - 1],
+    )
+    cx, cy, dx, dy = (
+        x[i + 1, j] - x[i, j],
+        y[i + 1, j] - y[i, j],
+        x[i, j] - x[i - 1, j],
+        y[i, j] - y[i - 1, j],
+    )
+    p, q, r, s = ax * cy - ay * cx, ax * dy - ay * dx, bx * cy - by * cx, bx * dy - by * dx
+    mean: float = QUARTER * (p + q + r + s)
+    low, high = min(min(p, q), min(r, s)), max(max(p, q), max(r, s))
+    # All four turn one way, and none is less than half or more than twice the mean.
+    alike = (
+        low > HALF * mean and high < mean + mean if mean > ZERO else high < HALF * mean and low > mean + mean
+    )
+    return mean if alike else none
 
 
 @numba.njit(cache=True, nogil=True, error_model="numpy")
