@@ -17,6 +17,11 @@ I32 = NDArray[np.int32]
 # this part of its largest. Merged ones lie beside rough cells, whose power is exact, so they are rough, too,
 # up to a size at which a pixel's edge no longer counts.
 SMALLEST_AREA, SMALLEST_CORNER, LARGEST_ROUGH = 1.0, 0.1, 100.0
+# So are, up to that size, ones as uneven as this, up to a small size less uneven ones, and narrow ones whose
+# sides meet at an angle with less than this sine: ramps along their edges and a brightness at each pixel's
+# middle would miss much of their power.
+UNEVEN_CORNER, SMALL_CORNER, SMALL_AREA = 0.5, 0.8, 6.0
+NARROWEST, SLANTED = 1.5, 0.25
 # Part of the brightness that a plane may leave unsaid.
 FLAT_ENOUGH = 0.005
 # Pixels by which planes of level and place on the stop may move an edge of light.
@@ -84,13 +89,29 @@ def prepare(
         for k in range(1, 4):
             least, most = min(least, turns[k]), max(most, turns[k])
         fine = min(SMALLEST_AREA * merged[p] * merged[p], LARGEST_ROUGH)
-        if area >= fine and least > SMALLEST_CORNER * most:
+        if area >= fine and not is_rough(area, least, most, sides):
             unsaid = brightness(quad, rays[p], areas[p], area, boxes[p], sides, turns, table[p])
             kinds[p] = CURVED
             if unsaid <= FLAT_ENOUGH and (passing == FLAT or twist(quad, rays[p], sides, area) <= STRAIGHT):
                 kinds[p] = FLAT if passing == FLAT else EDGED
         else:
             kinds[p] = -ROUGH if passing == FLAT else ROUGH
+
+
+@numba.njit(cache=True, nogil=True)
+def is_rough(area: float, least: float, most: float, sides: F64) -> bool:
+    """Return whether a quad is too uneven, or too narrow and slanted, for ramps along its edges."""
+    longest, other = 0.0, 0.0
+    for k in range(4):
+        length = sides[k, 0] * sides[k, 0] + sides[k, 1] * sides[k, 1]
+        longest = max(longest, length)
+        if k & 1:
+            other = max(other, length)
+    product = other * (sides[0, 0] * sides[0, 0] + sides[0, 1] * sides[0, 1])
+    if area * area < NARROWEST * NARROWEST * longest and area * area < SLANTED * SLANTED * product:
+        return True
+    corner = UNEVEN_CORNER if area < LARGEST_ROUGH else SMALLEST_CORNER
+    return least <= (SMALL_CORNER if area < SMALL_AREA else corner) * most
 
 
 @numba.njit(cache=True, nogil=True)
