@@ -72,10 +72,10 @@ def line(name: str, side: int, runs: int) -> str:
     frame = primitives.Frame((1080, 1920), lens.sensor[0] / 1920)
     wanted = sum(s.x[0].size for s in pupil.sheets(prepared, paths, TOWARDS, 2 * side, frame=frame))
     speed, slow_speed = steps / trace, slow_steps / truth
-    part = wanted / (len(lit) * side * side)
+    share = wanted / (len(lit) * side * side)
     return (
         f"{name:28} {len(paths):4} {steps / 1e6:8.1f} {1e3 * trace:8.1f} {speed / 1e6:8.0f} "
-        f"{1e3 * bounds:8.1f} {slow_speed / 1e6:8.2f} {speed / slow_speed:7.0f} {part:8.2f}"
+        f"{1e3 * bounds:8.1f} {slow_speed / 1e6:8.2f} {speed / slow_speed:7.0f} {share:8.2f}"
     )
 
 

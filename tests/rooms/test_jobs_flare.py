@@ -206,7 +206,7 @@ def test_the_flare_is_added_to_the_picture(heliar):
 
 
 def test_overscan_does_not_move_the_flare(heliar, tmp_path):
-    """The lens sees the shown pixels; those beyond go on about them."""
+    """The lens sees the shown pixels; those beyond go on about them, by other rays, within their error."""
     whole = night()
     picture.write(tmp_path / "a.exr", whole)
     read = picture.read(tmp_path / "a.exr")
@@ -220,7 +220,7 @@ def test_overscan_does_not_move_the_flare(heliar, tmp_path):
     around = finish(heliar, lamps=(Lamp((61.0, 31.0), True),), over=source, only=("1-3", "7-9"), layers=True)
     assert around.picture.pixels.shape == wide.shape
     peak = plain.ghosts.pixels.max()
-    np.testing.assert_allclose(around.ghosts.pixels[10:-4, 20:-5], plain.ghosts.pixels, atol=1e-3 * peak)
+    np.testing.assert_allclose(around.ghosts.pixels[10:-4, 20:-5], plain.ghosts.pixels, atol=1e-2 * peak)
     each = sum(around.layers.picture_of(name) for name in ("ghost_1_3", "ghost_7_9"))
     np.testing.assert_allclose(each, around.ghosts.pixels, atol=1e-6 * peak)
     assert around.report["lights"][0]["place_pixels"] == pytest.approx([61, 31])

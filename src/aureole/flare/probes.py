@@ -25,7 +25,7 @@ WORTH = 0.6
 # By which part of its side a box grows where light was found at its border.
 GROWTH = 0.25
 # Fewest cells along a side; numbers of cells are multiples of the second, so that blocks of them merge.
-LEAST, MULTIPLE = 8, 4
+LEAST, MULTIPLE = 16, 4
 
 Values = TypeVar("Values", Singles, Flags)
 
