@@ -1,14 +1,14 @@
-"""The lens and its ghosts: glass, coatings, prescriptions, matrices, rays.
+"""The lens and its ghosts: glass, coatings, prescriptions, rays, and the picture that they make.
 
-In: a lens's name or its TOML file. Out: a `Lens`, its ghosts, and where rays go through it. Light travels
-along +z from the first surface to the sensor; lengths are metres; surfaces are counted from 0 inside and
-from 1 where people read them.
+In: a lens's name or its file, and lights. Out: a `Lens`, its ghosts, what they carry, their picture. Light
+travels along +z from the first surface to the sensor; lengths are metres; surfaces are counted from 0 inside
+and from 1 where people read them.
 
 glass          the refractive index: a catalogue's Sellmeier constants, or Cauchy through n_d and V_d
 coating        what bare and coated interfaces reflect and transmit, by angle, wavelength, polarisation
 prescription   `Lens` and `Surface`; reading and checking a lens
 lens_file      writing a lens as TOML
-ghost_paths    the ways of two reflections, their names and counts
+ghost_paths    the ways of two reflections and of four, their names and counts
 paraxial       matrices of the image and of ghosts; focal length, focus, f-number, pupil, axial colour
 lint           what looks wrong in a prescription
 importers      lens files of other programs; import_*: one format a file, `import_draft` makes a lens of it
