@@ -7,6 +7,10 @@ sums to 1, and a finite one carries the fraction that it holds.
 camera      cameras, and their point spread functions
 kernel      fading, non-negative kernels, what other programs expect
 composite   replace, scatter and add
+
+The eye:
+veil           published glare functions of the eye, by angle, age and pigment
+eye_particles  particles of cornea, lens and vitreous that scatter what CIE 135 says
 """
 
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
