@@ -5,6 +5,7 @@ In: sizes in metres, angles in radians, masks, pictures. Out: `aureole.Aperture`
 shapes     circle, rectangle, iris, polygon, whirl: openings whose edges are known exactly
 masks      from_mask, from_picture and rasterize: between openings and pixels
 compose    union, intersection, subtraction, dimmed, scaled, moved, rotated
+chances    random numbers that are the same on every machine
 dust       dust and scratches: an opening seen through dirt
 clipping   what of a ring lies within a circle, arcs kept exact
 obstructions  central discs, spider vanes, round shadows, and cat's eyes
@@ -14,6 +15,7 @@ zernike    the polynomials that wavefronts are made of
 geometry   arcs, chords, areas and moments of outlines, for the rooms above
 """
 
+from aureole.aperture.chances import uniform
 from aureole.aperture.compose import dimmed, intersection, moved, rotated, scaled, subtraction, union
 from aureole.aperture.dust import dust, scratches
 from aureole.aperture.geometry import (
@@ -42,12 +44,13 @@ from aureole.aperture.wavefront import (
     wavefront_rms,
     with_wavefront,
 )
-from aureole.aperture.zernike import ZERNIKE_NAMES, zernike, zernike_pair
+from aureole.aperture.zernike import ZERNIKE_NAMES, Term, zernike, zernike_pair
 
 __all__ = [
     "GAUSS_NODES",
     "ZERNIKE_NAMES",
     "Circle",
+    "Term",
     "arc_of",
     "area",
     "as_circle",
@@ -83,6 +86,7 @@ __all__ = [
     "steepest_step",
     "subtraction",
     "transmittance",
+    "uniform",
     "union",
     "wavefront_rms",
     "whirl",

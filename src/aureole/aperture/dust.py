@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from aureole import refuse
 from aureole.aperture import _kernels, _kernels_noise
+from aureole.aperture.chances import bits, uniform
 from aureole.aperture.geometry import chords, orientation
 from aureole.aperture.masks import CHORD_TOLERANCE, rasterize
 from aureole.records import Aperture, Outline
@@ -141,7 +142,7 @@ def scratches(
     refuse.between("bend", bend, 0, 1)
     refuse.between("opacity", opacity, 0, 1)
     mask = rasterize(aperture, size).astype(np.float64)
-    chances = _uniform(seed, count * SCRATCH_CHANCES).reshape(count, SCRATCH_CHANCES)
+    chances = uniform(seed, count * SCRATCH_CHANCES).reshape(count, SCRATCH_CHANCES)
     for chance in chances:
         ring = _scratch(chance, aperture.width, length, width, bend)
         points = chords(ring, CHORD_TOLERANCE * aperture.width / size) * (size / aperture.width) + size / 2
@@ -153,10 +154,10 @@ def _noise(
     size: int, cell: float, seed: int, stretch: float, angle: float, time: float, octaves: int
 ) -> NDArray[np.float64]:
     """Return noise on the pixels' centres; cell in pixels."""
-    bits = _bits(seed, TABLE)
-    table = np.argsort(bits, kind="stable").astype(np.int64)
+    drawn = bits(seed, TABLE)
+    table = np.argsort(drawn, kind="stable").astype(np.int64)
     # The lattice's planes have less noise on them, so each octave starts off them, elsewhere.
-    starts = _uniform(seed, TABLE + 3 * octaves)[TABLE:].reshape(octaves, 3)
+    starts = uniform(seed, TABLE + 3 * octaves)[TABLE:].reshape(octaves, 3)
     at = np.arange(size) + 0.5 - size / 2
     cosine, sine = math.cos(angle), math.sin(angle)
     # Rows count downward, angles turn counter-clockwise as seen.
@@ -215,12 +216,3 @@ def _seen_through(aperture: Aperture, mask: NDArray[np.floating], dirt: str) -> 
     pixels = np.ascontiguousarray(mask, dtype=np.float32)
     name = f"{aperture.name} behind {dirt}"
     return Aperture(aperture.width, mask=pixels, name=name, wavefront=aperture.wavefront)
-
-
-def _uniform(seed: int, count: int) -> NDArray[np.float64]:
-    """Return numbers in 0 <= x < 1."""
-    return np.asarray((_bits(seed, count) >> np.uint64(11)) * 2.0**-53)
-
-
-def _bits(seed: int, count: int) -> NDArray[np.uint64]:
-    return np.asarray(np.random.PCG64(seed).random_raw(count), dtype=np.uint64)

@@ -1,4 +1,4 @@
-"""The glare of a camera: its point spread function, and laying it over a picture.
+"""The glare of a camera or an eye: its point spread function, and laying it over a picture.
 
 In: cameras, pictures, spectra. Out: point spread functions in RGB, pictures with glare, kernels for
 other programs. A point spread function is energy per pixel: over the infinite plane each channel
@@ -9,26 +9,45 @@ kernel      fading, non-negative kernels, what other programs expect
 composite   replace, scatter and add
 
 The eye:
-veil           published glare functions of the eye, by angle, age and pigment
-eye_particles  particles of cornea, lens and vitreous that scatter what CIE 135 says
+eye             what an eye is made of, its state at a time, and the named eyes
+eye_pupil       how wide the pupil stands, and how it trembles
+eye_motion      fluctuations of the lens, and the vitreous that turns after the head
+eye_lids        blinks and squinting
+eye_adaptation  the scene's luminance, damped in time
+eye_noise       noise in time with a given spectrum
+veil            published glare functions of the eye, by angle, age and pigment
+eye_particles   particles of cornea, lens and vitreous that scatter what CIE 135 says
 """
 
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
 from aureole.glare.composite import MODES, Composition, composite, prepare
+from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
+from aureole.glare.eye_adaptation import adapted
+from aureole.glare.eye_lids import blinks
+from aureole.glare.eye_pupil import pupil_diameter, ritschel_diameter
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
 
 __all__ = [
     "HOSTS",
     "MODES",
     "Composition",
+    "Eye",
+    "EyeState",
+    "adapted",
+    "blinks",
     "camera",
     "camera_psf",
     "camera_psf_stages",
+    "check_eye",
     "composite",
     "encircled_energy",
+    "eye_named",
     "fade",
     "kernel_for",
     "nonnegative",
     "prepare",
     "pupil",
+    "pupil_diameter",
+    "ritschel_diameter",
+    "states",
 ]

@@ -1,13 +1,15 @@
-"""Named cameras, irises, lenses and catalogues of glass, as data: TOML files, each with its source.
+"""Named cameras, irises, eyes, lenses and catalogues of glass, as data: TOML files, each with its source.
 
-In: a kind ("cameras", "irises", "lenses", "glasses") and a name. Out: a validated record of numbers with
-units in their names. The files lie beside this page, one a preset; a file of the user's own is read the
-same way.
+In: a kind ("cameras", "irises", "eyes", "lenses", "glasses") and a name. Out: a validated record of
+numbers with units in their names. The files lie beside this page, one a preset; a file of the user's own
+is read the same way.
 
 models       what a file of a camera or an iris may hold; how a preset is found and checked
+eye_model    what a file of an eye may hold
 lens_model   what a file of a lens or a catalogue of glasses may hold
 """
 
+from aureole.presets.eye_model import EyePreset
 from aureole.presets.lens_model import (
     SHARPEST_MM,
     GlassCatalogue,
@@ -23,6 +25,7 @@ __all__ = [
     "KINDS",
     "SHARPEST_MM",
     "CameraPreset",
+    "EyePreset",
     "GlassCatalogue",
     "GlassLine",
     "IrisPreset",

@@ -9,6 +9,7 @@ from typing import Annotated, Any, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from aureole import refuse
+from aureole.presets.eye_model import EyePreset
 from aureole.presets.lens_model import GlassCatalogue, LensPreset
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -82,6 +83,7 @@ class CameraPreset(BaseModel):
 
 KINDS: dict[str, type[BaseModel]] = {
     "cameras": CameraPreset,
+    "eyes": EyePreset,
     "glasses": GlassCatalogue,
     "irises": IrisPreset,
     "lenses": LensPreset,
