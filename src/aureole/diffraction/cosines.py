@@ -140,7 +140,7 @@ def _plane(aperture: Aperture, grid: Grid, length: int, exponent: int) -> Any:
 def _cosines(size: int) -> Any:
     """Prepare transforms of so many samples."""
     from aureole.diffraction import _kernels_cosines
-    from aureole.picture.convolution import circle
+    from aureole.picture.torus import circle
 
     ring = circle(size, np.dtype(np.float32))
     angles = np.pi * np.arange(size) / (2 * size)

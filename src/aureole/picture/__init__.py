@@ -11,6 +11,7 @@
 - `primaries`: in: chromaticities, out: a colour space's name, and matrices between spaces
 - `transfer`: in: linear light, out: the numbers of display-referred files, and back
 - `color_config`: OpenColorIO configurations where one is given
+- `torus`: in: sizes, out: the samples for a picture and a kernel, and the transforms along them
 - `convolution`: in: pixels and a kernel, out: pixels of the same size
 - `quality`: in: a picture and its reference, out: plain and logarithmic PSNR, SSIM
 - `display`: in: linear pictures, out: pixels that are ready for a screen

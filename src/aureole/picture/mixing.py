@@ -1,0 +1,222 @@
+"""Kernels kept as spectra in half precision, mixed by weights and convolved with a picture in one go.
+
+A kernel that is even about its centre has a real spectrum, so half of a half plane of half floats holds
+it: 2 bytes for each sample of the half spectrum. The sum over a kernel's pixels, its frequency zero, is kept in double precision beside
+them, so that no light is lost or made. The other frequencies are rounded to 11 binary digits each: the
+result is off by about 1e-4 of what the kernels spread, root mean square, and by nothing that is said of
+the picture itself, as long as the kernels' cores are left out of them.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from aureole import refuse
+from aureole.picture import _kernels, _kernels_mix
+from aureole.picture.torus import Torus, share, thread_count, torus_for
+
+# Largest magnitude that a spectrum is scaled to, and the smallest one that half floats hold in full.
+LARGEST, SMALLEST = 2.0**15, 2.0**-14
+# Largest imaginary part of a spectrum, as a part of its root mean square, that passes for rounding.
+ODD = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class KernelMix:
+    """Kernels of one size as spectra in half precision, for pictures of one size.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (rows, columns) of the pictures.
+    reach : tuple of int
+        (rows, columns) of the kernels, both odd; the centre is in the middle.
+    spectra : ndarray of uint16, shape (count, channels, blocks, samples, 64 or 128)
+        Bits of half floats, scaled: real parts and, where kernels are not even, imaginary parts.
+    scales : ndarray of float64, shape (count, channels)
+        What the spectra must be multiplied by.
+    sums : ndarray of float64, shape (count, channels)
+        Of the kernels' pixels.
+    """
+
+    shape: tuple[int, int]
+    reach: tuple[int, int]
+    spectra: NDArray[np.uint16]
+    scales: NDArray[np.float64]
+    sums: NDArray[np.float64]
+
+    @classmethod
+    def empty(
+        cls,
+        shape: tuple[int, int],
+        reach: tuple[int, int],
+        count: int,
+        channels: int = 3,
+        even: bool = True,
+    ) -> "KernelMix":
+        """Return room for kernels, all zero.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            (rows, columns) of the pictures.
+        reach : tuple of int
+            (rows, columns) of the kernels, odd and at most 2 N − 1 of the pictures' N.
+        count, channels : int
+            How many kernels, of how many channels.
+        even : bool
+            Whether all kernels are even about their centres, which halves the memory.
+
+        Returns
+        -------
+        KernelMix
+            To be filled with `put`.
+        """
+        for length, most in zip(reach, shape, strict=True):
+            if refuse.at_least("reach", length, 1) % 2 == 0 or length > 2 * most - 1:
+                raise refuse.Refusal(f"'reach' must be odd and at most {2 * most - 1}, got {length}.")
+        torus = _torus(shape, reach, 1)
+        blocks, samples, _ = torus.half_spectrum().shape
+        numbers = _kernels.LANES * (1 if even else 2)
+        spectra = np.zeros((count, channels, blocks, samples, numbers), dtype=np.uint16)
+        return cls(shape, reach, spectra, np.ones((count, channels)), np.zeros((count, channels)))
+
+    @property
+    def is_even(self) -> bool:
+        """Whether it holds even kernels only."""
+        return self.spectra.shape[-1] == _kernels.LANES
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of memory that the spectra take."""
+        return int(self.spectra.nbytes)
+
+    def put(self, index: int, kernel: ArrayLike, threads: int | None = None) -> None:
+        """Transform a kernel and keep it.
+
+        Parameters
+        ----------
+        index : int
+            Its place.
+        kernel : array_like, shape (rows, columns, channels)
+            Of the size `reach`.
+        threads : int, optional
+            How many to use; by default one for each processor that this process may use.
+
+        Raises
+        ------
+        refuse.Refusal
+            Where its shape is another one, or it is not even and only even ones have room.
+        """
+        channels = self.sums.shape[1]
+        pixels = np.asarray(refuse.shape_of("kernel", kernel, (*self.reach, channels)), dtype=np.float32)
+        torus = _torus(self.shape, self.reach, thread_count(threads))
+        half = torus.half_spectrum()
+        for channel in range(channels):
+            self.sums[index, channel] = pixels[..., channel].sum(dtype=np.float64)
+            torus.kernel_spectrum(pixels, channel, half)
+            # What lies beyond the last frequency is never written.
+            used = len(torus.along.cosines) // 2 + 1 - _kernels.LANES * (len(half) - 1)
+            parts = half[..., : 2 * _kernels.LANES].reshape(*half.shape[:2], 2, _kernels.LANES)
+            parts[-1, ..., used:] = 0
+            self.scales[index, channel] = self._pack(parts, self.spectra[index, channel])
+
+    def _pack(self, parts: NDArray[np.float32], out: NDArray[np.uint16]) -> float:
+        """Round real and imaginary parts to half floats; return what they must be multiplied by."""
+        if self.is_even:
+            mean_square = float(np.mean(np.square(parts), dtype=np.float64))
+            if float(np.abs(parts[:, :, 1]).max()) > ODD * max(
+                mean_square**0.5, float(np.abs(parts).max()) * 1e-3
+            ):
+                raise refuse.Refusal(
+                    "'kernel' must be even about its centre, or room be made with even=False."
+                )
+            parts = parts[:, :, :1]
+        largest = float(np.abs(parts).max())
+        scale = 2.0 ** np.ceil(np.log2(largest / LARGEST)) if largest > 0 else 1.0
+        halves = (parts * np.float32(1 / scale)).astype(np.float16)
+        halves[np.abs(halves) < SMALLEST] = 0
+        out[:] = halves.reshape(out.shape).view(np.uint16)
+        return float(scale)
+
+
+class MixedConvolver:
+    """Convolve pictures with weighted sums of kept kernels, in buffers that are kept, too.
+
+    Parameters
+    ----------
+    kernels : KernelMix
+        The kernels.
+    threads : int, optional
+        How many to use; by default one for each processor that this process may use.
+    """
+
+    def __init__(self, kernels: KernelMix, threads: int | None = None) -> None:
+        self.kernels = kernels
+        self._torus = _torus(kernels.shape, kernels.reach, thread_count(threads))
+        channels = range(kernels.sums.shape[1])
+        self._halves = {channel: self._torus.half_spectrum() for channel in channels}
+
+    def __call__(
+        self,
+        pixels: NDArray[np.float32],
+        mix: Iterable[tuple[int, float]],
+        out: NDArray[np.float32] | None = None,
+        lowest: float = -np.inf,
+    ) -> NDArray[np.float32]:
+        """Convolve one picture.
+
+        Parameters
+        ----------
+        pixels : ndarray of float32, shape (rows, columns, channels)
+            Linear colour.
+        mix : iterable of (int, float)
+            Which kernels, and how much of each.
+        out : ndarray of float32, shape of `pixels`, optional
+            Where the result shall lie.
+        lowest : float
+            What lies below is raised to it: 0 where neither picture nor kernels are negative.
+
+        Returns
+        -------
+        ndarray of float32, shape of `pixels`
+            Black outside the picture.
+        """
+        channels = self.kernels.sums.shape[1]
+        refuse.shape_of("pixels", pixels, (*self.kernels.shape, channels))
+        chosen, weights, sums = self._weights(mix)
+        self._torus.rows_down(pixels, (0, 0), self._halves)
+        rows = len(pixels)
+
+        def multiply(item: tuple[int, int]) -> None:
+            channel, block = item
+            work = self._halves[channel][block]
+            work[rows:] = 0
+            self._torus.down.down(work)
+            _kernels_mix.multiply_mix(
+                work, self.kernels.spectra, chosen, weights[channel], channel, block, sums[channel]
+            )
+            self._torus.down.up(work)
+
+        blocks = self.kernels.spectra.shape[2]
+        share(multiply, [(c, b) for c in range(channels) for b in range(blocks)], self._torus.threads)
+        result = np.empty_like(pixels, order="C") if out is None else out
+        self._torus.rows_up(self._halves, np.float32(lowest), result)
+        return result
+
+    def _weights(self, mix: Iterable[tuple[int, float]]) -> tuple[Any, Any, Any]:
+        """Return places (k,), their weights (channels, k) and the sums (channels,), all in kernel's units."""
+        wanted = [(index, weight) for index, weight in mix if weight != 0]
+        chosen = np.array([index for index, _ in wanted], dtype=np.int64)
+        weights = np.array([weight for _, weight in wanted])[:, None] * float(self._torus.scale)
+        sums = np.sum(weights * self.kernels.sums[chosen], axis=0).astype(np.float32)
+        # Widened bits are 2^112 too small.
+        scaled = (weights * self.kernels.scales[chosen] * 2.0**112).T
+        return chosen, np.ascontiguousarray(scaled, dtype=np.float32), sums
+
+
+def _torus(shape: tuple[int, int], reach: tuple[int, int], threads: int) -> Torus:
+    return torus_for(shape, reach, (reach[0] // 2, reach[1] // 2), np.float32, threads)
