@@ -13,6 +13,7 @@
 - `color_config`: OpenColorIO configurations where one is given
 - `torus`: in: sizes, out: the samples for a picture and a kernel, and the transforms along them
 - `convolution`: in: pixels and a kernel, out: pixels of the same size
+- `mixing`: in: kernels, kept in half precision, and weights, out: pictures convolved with their sum
 - `quality`: in: a picture and its reference, out: plain and logarithmic PSNR, SSIM
 - `display`: in: linear pictures, out: pixels that are ready for a screen
 - `scene`: in: a size and a seed, out: the bundled night scene; `_canvas` and `_far_shore` draw for it
@@ -34,6 +35,7 @@ from aureole.picture.metadata import (
     with_attributes,
     with_notes,
 )
+from aureole.picture.mixing import KernelMix, MixedConvolver
 from aureole.picture.quality import log_psnr, psnr, ssim
 from aureole.picture.reading import read
 from aureole.picture.scene import night_scene
@@ -49,7 +51,9 @@ __all__ = [
     "Colour",
     "Convolver",
     "Header",
+    "KernelMix",
     "Layers",
+    "MixedConvolver",
     "Window",
     "allowed_memory",
     "attributes_of",

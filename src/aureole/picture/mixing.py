@@ -1,10 +1,10 @@
 """Kernels kept as spectra in half precision, mixed by weights and convolved with a picture in one go.
 
-A kernel that is even about its centre has a real spectrum, so half of a half plane of half floats holds
-it: 2 bytes for each sample of the half spectrum. The sum over a kernel's pixels, its frequency zero, is kept in double precision beside
-them, so that no light is lost or made. The other frequencies are rounded to 11 binary digits each: the
-result is off by about 1e-4 of what the kernels spread, root mean square, and by nothing that is said of
-the picture itself, as long as the kernels' cores are left out of them.
+A kernel that is even about its centre has a real spectrum, so half of a plane of half floats holds it:
+2 bytes for each sample. The sum over a kernel's pixels, its frequency zero, is kept in double precision
+beside them, so that no light is lost or made. The other frequencies are rounded to 11 binary digits each:
+the result is off by about 1e-4 of what the kernels spread, root mean square. Kernels without their cores
+spread glare only, so that the error has nothing to do with the picture's own light.
 """
 
 from collections.abc import Iterable
@@ -87,7 +87,7 @@ class KernelMix:
     @property
     def is_even(self) -> bool:
         """Whether it holds even kernels only."""
-        return self.spectra.shape[-1] == _kernels.LANES
+        return bool(self.spectra.shape[-1] == _kernels.LANES)
 
     @property
     def nbytes(self) -> int:
