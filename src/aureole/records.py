@@ -77,7 +77,8 @@ class Aperture:
         Rings whose transmittances add up; empty for a raster.
     mask : ndarray of float32, shape (rows, columns), or None
         Amplitude transmittance 0..1 of pixels that tile the square, each a small square of constant
-        transmittance; None where outlines are given.
+        transmittance; None where outlines are given. In an eye it goes down to −1, which is light that
+        passes whole and half a wave late.
     name : str
         What to call it in reports.
     wavefront : ndarray of float32, shape (rows, columns), or None

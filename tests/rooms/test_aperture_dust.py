@@ -173,7 +173,8 @@ def test_scratches_are_thin_and_as_dark_as_they_may_be():
 
 def test_a_scratch_takes_the_area_that_it_covers():
     """Half of all chances: a lens of two thirds of its length times its width, to first order."""
-    from aureole.aperture.dust import _darken, _scratch
+    from aureole.aperture.dust import _scratch
+    from aureole.aperture.masks import darken
 
     ring = _scratch(np.full(7, 0.5), 1.0, 0.4, 0.02, 0.2)
     points = aperture.chords(ring, 1e-9)
@@ -181,7 +182,7 @@ def test_a_scratch_takes_the_area_that_it_covers():
     assert exact == pytest.approx(2 / 3 * 0.3 * 0.015, rel=1e-2)
     for size in (16, 50):
         mask = np.ones((size, size))
-        _darken(mask, points * size + size / 2, aperture.orientation(ring), 0.5)
+        darken(mask, points * size + size / 2, aperture.orientation(ring), 0.5)
         assert 1 - mask.mean() == pytest.approx(0.5 * exact, rel=1e-6)
 
 

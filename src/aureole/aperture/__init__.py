@@ -7,6 +7,10 @@ masks      from_mask, from_picture and rasterize: between openings and pixels
 compose    union, intersection, subtraction, dimmed, scaled, moved, rotated
 chances    random numbers that are the same on every machine
 dust       dust and scratches: an opening seen through dirt
+particles  discs at seeded places, and how they move
+fibres     rings of radial gratings
+lashes     lids and lashes before a pupil
+bands      work on a picture in bands of rows, on all cores
 clipping   what of a ring lies within a circle, arcs kept exact
 obstructions  central discs, spider vanes, round shadows, and cat's eyes
 screens    half planes, and obstacles with nothing around them
@@ -18,6 +22,7 @@ geometry   arcs, chords, areas and moments of outlines, for the rooms above
 from aureole.aperture.chances import uniform
 from aureole.aperture.compose import dimmed, intersection, moved, rotated, scaled, subtraction, union
 from aureole.aperture.dust import dust, scratches
+from aureole.aperture.fibres import Fibres, fibre_coverage, fibre_outlines, fibres, stretched_fibres
 from aureole.aperture.geometry import (
     GAUSS_NODES,
     Circle,
@@ -32,8 +37,18 @@ from aureole.aperture.geometry import (
     orientation,
     ring_moments,
 )
+from aureole.aperture.lashes import Lids, lash_coverage, lashes, lid_opening_share, lids
 from aureole.aperture.masks import from_mask, from_picture, rasterize
 from aureole.aperture.obstructions import cats_eye, obstruction, shadow, spiders
+from aureole.aperture.particles import (
+    Discs,
+    disc_coverage,
+    disc_outlines,
+    joined,
+    scattered,
+    stretched,
+    turned,
+)
 from aureole.aperture.screens import half_plane, obstacle
 from aureole.aperture.shapes import circle, iris, polygon, rectangle, whirl
 from aureole.aperture.wavefront import (
@@ -50,6 +65,9 @@ __all__ = [
     "GAUSS_NODES",
     "ZERNIKE_NAMES",
     "Circle",
+    "Discs",
+    "Fibres",
+    "Lids",
     "Term",
     "arc_of",
     "area",
@@ -62,14 +80,24 @@ __all__ = [
     "chords",
     "circle",
     "dimmed",
+    "disc_coverage",
+    "disc_outlines",
     "dust",
     "energy",
+    "fibre_coverage",
+    "fibre_outlines",
+    "fibres",
     "from_mask",
     "from_picture",
     "half_plane",
     "intersection",
     "iris",
     "is_mirrored",
+    "joined",
+    "lash_coverage",
+    "lashes",
+    "lid_opening_share",
+    "lids",
     "moved",
     "obstacle",
     "obstruction",
@@ -80,12 +108,16 @@ __all__ = [
     "ring_moments",
     "rotated",
     "scaled",
+    "scattered",
     "scratches",
     "shadow",
     "spiders",
     "steepest_step",
+    "stretched",
+    "stretched_fibres",
     "subtraction",
     "transmittance",
+    "turned",
     "uniform",
     "union",
     "wavefront_rms",

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import refuse
-from aureole.aperture import _kernels, _kernels_noise
+from aureole.aperture import _kernels_noise
 from aureole.aperture.chances import bits, uniform
 from aureole.aperture.geometry import chords, orientation
-from aureole.aperture.masks import CHORD_TOLERANCE, rasterize
+from aureole.aperture.masks import CHORD_TOLERANCE, darken, rasterize
 from aureole.records import Aperture, Outline
 
 # Cells after which the noise repeats.
@@ -146,7 +146,7 @@ def scratches(
     for chance in chances:
         ring = _scratch(chance, aperture.width, length, width, bend)
         points = chords(ring, CHORD_TOLERANCE * aperture.width / size) * (size / aperture.width) + size / 2
-        _darken(mask, points, orientation(ring), opacity * (1 + chance[6]) / 2)
+        darken(mask, points, orientation(ring), opacity * (1 + chance[6]) / 2)
     return _seen_through(aperture, mask, "scratches")
 
 
@@ -190,19 +190,6 @@ def _scratch(chance: NDArray[np.float64], square: float, length: float, width: f
     spread = width * (1 + chance[4]) / (length * (1 + chance[3]))
     bulges = np.array([middle + spread, spread - middle])
     return Outline(np.stack([centre - half, centre + half]), bulges)
-
-
-def _darken(mask: NDArray[np.float64], points: NDArray[np.float64], sign: float, opacity: float) -> None:
-    """Take a ring's coverage times its opacity off a mask, in place, where the ring lies."""
-    size = len(mask)
-    left, top = np.clip(np.floor(points.min(axis=0)).astype(int), 0, size)
-    right, bottom = np.clip(np.ceil(points.max(axis=0)).astype(int), 0, size)
-    if right <= left or bottom <= top:
-        return
-    coverage = np.zeros((bottom - top, right - left + 2))
-    _kernels.accumulate_edges(np.ascontiguousarray(points - [left, top]), coverage)
-    covered = np.clip(sign * np.cumsum(coverage, axis=1)[:, :-2], 0, 1)
-    mask[top:bottom, left:right] *= 1 - opacity * covered
 
 
 def _seen_through(aperture: Aperture, mask: NDArray[np.floating], dirt: str) -> Aperture:

@@ -118,12 +118,39 @@ def rasterize(aperture: Aperture, size: int) -> NDArray[np.float32]:
     return np.minimum(total, 1).astype(np.float32)
 
 
+def darken(
+    mask: NDArray[np.floating], points: NDArray[np.float64], sign: float, opacity: float = 1.0
+) -> None:
+    """Take a ring's coverage times its opacity off a mask, in place, where the ring lies.
+
+    Parameters
+    ----------
+    mask : ndarray, shape (rows, columns)
+        Multiplied by 1 − opacity · covered part.
+    points : ndarray of float64, shape (V, 2)
+        The ring's corners (x, y) in pixels from the mask's top left corner.
+    sign : float
+        `orientation` of the ring.
+    opacity : float
+        Amplitude that it takes away, 0 to 1.
+    """
+    rows, columns = mask.shape
+    left, top = np.clip(np.floor(points.min(axis=0)).astype(int), 0, (columns, rows))
+    right, bottom = np.clip(np.ceil(points.max(axis=0)).astype(int), 0, (columns, rows))
+    if right <= left or bottom <= top:
+        return
+    coverage = np.zeros((bottom - top, right - left + 2))
+    _kernels.accumulate_edges(np.ascontiguousarray(points - [left, top]), coverage)
+    covered = np.clip(sign * np.cumsum(coverage, axis=1)[:, :-2], 0, 1)
+    mask[top:bottom, left:right] *= 1 - opacity * covered
+
+
 def _resample(mask: NDArray[np.float32], size: int) -> NDArray[np.float32]:
     """Average a mask over the squares of another pixel grid on the same area."""
     if len(mask) == size:
         return mask.copy()
     overlap = _overlaps(len(mask), size)
-    return np.clip(overlap @ mask @ overlap.T, 0, 1).astype(np.float32)
+    return np.clip(overlap @ mask @ overlap.T, -1, 1).astype(np.float32)
 
 
 def _overlaps(have: int, want: int) -> NDArray[np.float64]:

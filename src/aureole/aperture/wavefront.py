@@ -86,7 +86,7 @@ def with_wavefront(
         path += refuse.finite("root mean square of a Zernike polynomial", rms) * zernike(term, x, y)
     if aperture.wavefront is not None:
         path += aperture.wavefront
-    wavefront = np.where(mask > 0, path, 0).astype(np.float32)
+    wavefront = np.where(mask != 0, path, 0).astype(np.float32)
     return Aperture(aperture.width, mask=mask, name=f"{aperture.name} with wavefront", wavefront=wavefront)
 
 
@@ -140,7 +140,7 @@ def transmittance(aperture: Aperture, wavelength: float | None = None) -> NDArra
     if aperture.wavefront is None:
         return mask
     known = check_wavefront(aperture, wavelength)
-    lit = mask > 0
+    lit = mask != 0
     wave = np.zeros(mask.shape, dtype=np.complex128)
     wave[lit] = mask[lit] * np.exp(2j * np.pi / known * aperture.wavefront[lit].astype(np.float64))
     return wave
@@ -194,7 +194,7 @@ def wavefront_rms(aperture: Aperture) -> float:
     """
     if aperture.wavefront is None or aperture.mask is None:
         return 0.0
-    path, weight = aperture.wavefront.astype(np.float64), aperture.mask.astype(np.float64)
+    path, weight = aperture.wavefront.astype(np.float64), np.abs(aperture.mask, dtype=np.float64)
     mean = float(np.average(path, weights=weight))
     return float(np.sqrt(np.average((path - mean) ** 2, weights=weight)))
 
@@ -230,7 +230,7 @@ def steepest_step(aperture: Aperture) -> float:
     path, mask = aperture.wavefront, aperture.mask
     if path is None or mask is None or path.shape != mask.shape:
         raise refuse.Refusal("an aperture's 'wavefront' needs a 'mask' of the same shape.")
-    lit = mask > 0
+    lit = mask != 0
     refuse.all_finite("wavefront", path)
     steps = [0.0]
     for axis in (0, 1):

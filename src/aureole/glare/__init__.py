@@ -17,17 +17,20 @@ eye_adaptation  the scene's luminance, damped in time
 eye_noise       noise in time with a given spectrum
 veil            published glare functions of the eye, by angle, age and pigment
 eye_particles   particles of cornea, lens and vitreous that scatter what CIE 135 says
+eye_aperture    the eye's parts as amplitudes on the plane of its pupil
 """
 
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
 from aureole.glare.composite import MODES, Composition, composite, prepare
 from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
 from aureole.glare.eye_adaptation import adapted
+from aureole.glare.eye_aperture import COMPONENTS, corona_layers, eye_aperture, eye_parts, open_share
 from aureole.glare.eye_lids import blinks
 from aureole.glare.eye_pupil import pupil_diameter, ritschel_diameter
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
 
 __all__ = [
+    "COMPONENTS",
     "HOSTS",
     "MODES",
     "Composition",
@@ -40,11 +43,15 @@ __all__ = [
     "camera_psf_stages",
     "check_eye",
     "composite",
+    "corona_layers",
     "encircled_energy",
+    "eye_aperture",
     "eye_named",
+    "eye_parts",
     "fade",
     "kernel_for",
     "nonnegative",
+    "open_share",
     "prepare",
     "pupil",
     "pupil_diameter",
