@@ -23,7 +23,7 @@ eye_aperture    the eye's parts as amplitudes on the plane of its pupil
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
 from aureole.glare.composite import MODES, Composition, composite, prepare
 from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
-from aureole.glare.eye_adaptation import adapted
+from aureole.glare.eye_adaptation import adapted, adapted_after
 from aureole.glare.eye_aperture import COMPONENTS, corona_layers, eye_aperture, eye_parts, open_share
 from aureole.glare.eye_lids import blinks
 from aureole.glare.eye_pupil import pupil_diameter, ritschel_diameter
@@ -37,6 +37,7 @@ __all__ = [
     "Eye",
     "EyeState",
     "adapted",
+    "adapted_after",
     "blinks",
     "camera",
     "camera_psf",

@@ -85,7 +85,7 @@ class Eye:
     lash_width: float = 80e-6
     lash_distance: float = 12e-3
     defocus: float = 0.0
-    zernike: Mapping[apertures.Term, float] = field(default_factory=dict)
+    zernike: Mapping[apertures.Term, float] = field(default_factory=dict, hash=False)
     zernike_diameter: float = 6e-3
     pupil: str = "watson-yellott"
     hippus: float = 1.0
@@ -154,7 +154,8 @@ class EyeState:
         age : float, optional
             Years; the eye's own unless given.
         field_of_view : float
-            Side of the square that has the luminance, radians; 60 degrees unless given.
+            Side of the square that has the luminance, radians; 60 degrees unless given. A rectangle is as
+            good as a square of its area.
         eye : Eye
             The standard eye unless given.
         seed : int, optional

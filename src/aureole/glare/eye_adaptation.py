@@ -18,7 +18,7 @@ from aureole.glare.eye_pupil import BRIGHTEST
 BRIGHTER, DARKER = 0.3, 1.5
 # Times between which the lag is followed, seconds, and how far back it is worth following.
 STEP = 1 / 60
-MEMORY = 20 * DARKER
+MEMORY = 12 * DARKER
 # The least light that a rested eye notices, cd/m²; darker is as dark.
 DARKEST = 1e-6
 # Longer than any animation, short enough that phases keep their digits.
@@ -60,11 +60,37 @@ def adapted(luminance: Luminance, times: Sequence[float]) -> NDArray[np.float64]
     return damped
 
 
+def adapted_after(previous: float, luminance: float, elapsed: float) -> float:
+    """Return the luminance that the eye is adapted to after a while, for scenes that come frame by frame.
+
+    Parameters
+    ----------
+    previous : float
+        To which it was adapted, cd/m².
+    luminance : float
+        Of the scene since, cd/m².
+    elapsed : float
+        Seconds.
+
+    Returns
+    -------
+    float
+        cd/m², at least 1e-6.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is negative or not finite.
+    """
+    refuse.between("elapsed", elapsed, 0, LONGEST)
+    return math.exp(_nearer(_logarithm(_checked(previous)), _logarithm(_checked(luminance)), elapsed))
+
+
 def _followed(luminance: Callable[[float], float], moments: NDArray[np.float64]) -> NDArray[np.float64]:
     """Follow the scene from one moment to the next, in steps that end on a fixed lattice of times."""
     step = max(0, math.floor((moments[0] - MEMORY) / STEP))
     now = step * STEP
-    level = _logarithm(luminance, now)
+    level = _logarithm(_checked(luminance(now)))
     found = []
     for moment in moments:
         while (step + 1) * STEP <= moment:
@@ -77,15 +103,19 @@ def _followed(luminance: Callable[[float], float], moments: NDArray[np.float64])
 
 
 def _lagged(level: float, luminance: Callable[[float], float], now: float, then: float) -> float:
+    """Return the logarithm a little later, the scene being as it is halfway."""
     if then <= now:
         return level
-    target = _logarithm(luminance, then)
+    return _nearer(level, _logarithm(_checked(luminance((now + then) / 2))), then - now)
+
+
+def _nearer(level: float, target: float, elapsed: float) -> float:
     lag = BRIGHTER if target > level else DARKER
-    return target + (level - target) * math.exp((now - then) / lag)
+    return target + (level - target) * math.exp(-elapsed / lag)
 
 
-def _logarithm(luminance: Callable[[float], float], time: float) -> float:
-    return math.log(max(_checked(luminance(time)), DARKEST))
+def _logarithm(luminance: float) -> float:
+    return math.log(max(luminance, DARKEST))
 
 
 def _checked(luminance: float) -> float:

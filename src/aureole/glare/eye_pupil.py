@@ -21,7 +21,7 @@ MONOCULAR = 0.1
 # Half of the tremor's power lies below the first, nine tenths below the second (published: 0.63 Hz).
 MEDIAN_HERTZ, NINTH_DECILE_HERTZ = 0.32, 0.60
 # Of the noise in Ritschel's formula, so that a pupil of 6.66 mm trembles by 0.11 mm as theirs does.
-CONTRAST = 0.16
+CONTRAST = 0.176
 RITSCHEL_DIAMETER = 6.66e-3
 LEAST_TREMOR, MOST_TREMOR = 0.045e-3, 0.20e-3
 # Standard deviations at which the tremor bends over.
