@@ -81,8 +81,7 @@ def test_a_lens_that_focuses_nearer_is_narrower():
 
 
 def test_a_head_that_turned_leaves_the_vitreous_behind_and_it_swings_back():
-    # θ'' + 2ζωθ' + ω²θ = 0 from θ = -0.2 with the spring at rest in the head's frame: a textbook's answer
-    # for a damper that the step drives as well.
+    # Against the head it starts at -0.2 with the speed 2ζω · 0.2 that the damper's jolt gives.
     turned = 0.2
     damped = math.sqrt(1 - DAMPING**2)
     for later in (0.05, 0.3, 0.7, 1.5, 4.0):
@@ -109,7 +108,7 @@ def test_the_vitreous_obeys_its_equation_of_motion():
 
 def test_a_still_head_leaves_it_at_rest_and_a_steady_turn_takes_it_along():
     assert vitreous_angle(5.0, 1, lambda time: 0.7) == 0
-    # Not all has died after so short a time.
+    # The swing is followed for nine seconds only.
     assert vitreous_angle(30.0, 1, lambda time: 0.5 * time) == pytest.approx(0, abs=1e-5)
 
 
