@@ -96,14 +96,12 @@ def test_the_knee_is_a_line_above_and_a_smooth_start_below():
     # Luminance minus threshold above the knee; value and slope join at its end.
     levels = np.linspace(0.01, 4, 400, dtype=np.float32)
     row = Picture(np.repeat(levels[None, :, None], 3, axis=2))
-    from aureole.glare.composite import _above_knee
-
-    above = _above_knee(row, 1.0, 0.5)[0, :, 0]
+    above = glare.above_knee(row, 1.0, 0.5)[0, :, 0]
     np.testing.assert_allclose(above[levels > 1.5], levels[levels > 1.5] - 1, rtol=1e-5)
     assert np.all(above[levels < 0.5] == 0)
     slope = np.diff(above) / np.diff(levels)
     assert np.abs(np.diff(slope)).max() < 0.02
-    sharp = _above_knee(row, 1.0, 0.0)[0, :, 0]
+    sharp = glare.above_knee(row, 1.0, 0.0)[0, :, 0]
     np.testing.assert_allclose(sharp, np.maximum(levels - 1, 0), atol=1e-6)
 
 

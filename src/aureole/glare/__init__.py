@@ -18,6 +18,11 @@ eye_noise       noise in time with a given spectrum
 veil            published glare functions of the eye, by angle, age and pigment
 eye_particles   particles of cornea, lens and vitreous that scatter what CIE 135 says
 eye_aperture    the eye's parts as amplitudes on the plane of its pupil
+sources     which light of a picture makes glare: the knee, the matte
+
+eye_composite  an eye's glare on a picture, weighed by solid angle
+eye_spread     convolution at half resolution
+eye_stars      small sources, measured whole so that they do not flicker
 """
 
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
@@ -25,17 +30,32 @@ from aureole.glare.composite import MODES, Composition, composite, prepare
 from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
 from aureole.glare.eye_adaptation import adapted, adapted_after
 from aureole.glare.eye_aperture import COMPONENTS, corona_layers, eye_aperture, eye_parts, open_share
+from aureole.glare.eye_composite import (
+    BORDERS,
+    EyeComposition,
+    eye_composite,
+    eye_prepare,
+    solid_angle_weights,
+)
 from aureole.glare.eye_lids import blinks
 from aureole.glare.eye_pupil import pupil_diameter, ritschel_diameter
+from aureole.glare.eye_spread import RESOLUTIONS
+from aureole.glare.eye_stars import compact_light, lumps
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
+from aureole.glare.sources import KNEES, above_knee
 
 __all__ = [
+    "BORDERS",
     "COMPONENTS",
     "HOSTS",
+    "KNEES",
     "MODES",
+    "RESOLUTIONS",
     "Composition",
     "Eye",
+    "EyeComposition",
     "EyeState",
+    "above_knee",
     "adapted",
     "adapted_after",
     "blinks",
@@ -43,19 +63,24 @@ __all__ = [
     "camera_psf",
     "camera_psf_stages",
     "check_eye",
+    "compact_light",
     "composite",
     "corona_layers",
     "encircled_energy",
     "eye_aperture",
+    "eye_composite",
     "eye_named",
     "eye_parts",
+    "eye_prepare",
     "fade",
     "kernel_for",
+    "lumps",
     "nonnegative",
     "open_share",
     "prepare",
     "pupil",
     "pupil_diameter",
     "ritschel_diameter",
+    "solid_angle_weights",
     "states",
 ]

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import light, picture, refuse
-from aureole.glare.kernel import channel_sums, nonnegative
+from aureole import picture, refuse
+from aureole.glare.kernel import beyond_core, channel_sums, nonnegative
+from aureole.glare.sources import above_knee, checked_matte, refuse_other_space, with_colour
 from aureole.records import Picture
 
 MODES = ("replace", "scatter", "add")
@@ -88,7 +89,7 @@ def prepare(
         row, column = kernel.shape[0] // 2, kernel.shape[1] // 2
         kernel[row, column] = 0
     else:
-        kernel *= _beyond_core(kernel.shape[:2], core_radius)[..., None]
+        kernel *= beyond_core(kernel.shape[:2], core_radius)[..., None]
     # Whatever is not spread stays: the core's own share and what the border lost.
     scattered = channel_sums(kernel)
     core = (1 - scattered).astype(np.float32)
@@ -145,11 +146,11 @@ def composite(
     colour = source.pixels[..., :3]
     shape = colour.shape[:2]
     if isinstance(psf, Picture):
-        _same_space(source, psf)
+        refuse_other_space(source, psf)
         psf = prepare(psf, (shape[0], shape[1]), mode, core_radius, precision)
-    limit = None if matte is None else _checked_matte(matte, (shape[0], shape[1]))
+    limit = None if matte is None else checked_matte(matte, (shape[0], shape[1]))
     if psf.mode == "add":
-        bright = _above_knee(source, threshold, knee)
+        bright = above_knee(source, threshold, knee)
         bright = bright if limit is None else bright * limit
         factor = np.asarray(tint, dtype=np.float32) * np.float32(refuse.finite("gain", gain))
         out = psf.spread(bright)
@@ -163,48 +164,4 @@ def composite(
             out[..., channel] += lit[..., channel] * psf.core[channel]
         if limit is not None:
             out += colour - lit
-    return _with_colour(source, out)
-
-
-def _beyond_core(shape: tuple[int, int], radius: float) -> NDArray[np.float32]:
-    """Return 0 within the core's radius, rising smoothly to 1 at twice the radius."""
-    refuse.positive("core_radius", radius)
-    rows, columns = (np.arange(n) - n // 2 for n in shape)
-    share = np.clip(np.hypot(rows[:, None], columns) / radius - 1, 0, 1)
-    return np.asarray(share**2 * (3 - 2 * share), dtype=np.float32)
-
-
-def _above_knee(source: Picture, threshold: float, knee: float) -> NDArray[np.float32]:
-    """Scale each pixel by the part of its luminance that lies above the knee."""
-    refuse.between("knee", knee, 0, 1)
-    if not refuse.finite("threshold", threshold) >= 0:
-        raise refuse.Refusal(f"'threshold' must be a number >= 0, got {threshold:g}.")
-    colour = source.pixels[..., :3]
-    luminance = colour @ light.SPACES[source.colour_space].to_xyz[1].astype(np.float32)
-    low = np.float32(threshold * (1 - knee))
-    width = np.float32(2 * (threshold - low))
-    over = np.maximum(luminance - low, 0)
-    # A parabola joins zero to the straight line luminance − threshold.
-    soft = over**2 / (2 * width) if width > 0 else over
-    above = np.where(over < width, soft, np.maximum(luminance - np.float32(threshold), 0))
-    share = np.where(luminance > 0, above / np.where(luminance > 0, luminance, 1), 0)
-    return np.asarray(colour * share[..., None], dtype=np.float32)
-
-
-def _checked_matte(matte: NDArray[np.floating], shape: tuple[int, int]) -> NDArray[np.float32]:
-    values = refuse.all_finite("matte", refuse.shape_of("matte", matte, shape))
-    return np.asarray(np.clip(values, 0, 1), dtype=np.float32)[..., None]
-
-
-def _same_space(source: Picture, psf: Picture) -> None:
-    if source.colour_space != psf.colour_space:
-        raise refuse.Refusal(
-            f"'psf' must be in the picture's colour space '{source.colour_space}', got '{psf.colour_space}'."
-        )
-
-
-def _with_colour(source: Picture, colour: NDArray[np.floating]) -> Picture:
-    pixels = colour.astype(np.float32, copy=False)
-    if source.pixels.shape[2] > 3:
-        pixels = np.concatenate([pixels, source.pixels[..., 3:]], axis=2)
-    return Picture(pixels, source.colour_space, source.metadata)
+    return with_colour(source, out)

@@ -37,6 +37,32 @@ def fade(shape: tuple[int, int], width: float = FADE) -> NDArray[np.float32]:
     return np.asarray(share**3 * (10 - 15 * share + 6 * share**2), dtype=np.float32)
 
 
+def beyond_core(shape: tuple[int, int], radius: float) -> NDArray[np.float32]:
+    """Return 0 within a core's radius, rising smoothly to 1 at twice the radius.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (rows, columns) of the kernel.
+    radius : float
+        In pixels.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        The share of each pixel that is not core.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the radius is not above zero.
+    """
+    refuse.positive("core_radius", radius)
+    rows, columns = (np.arange(n) - n // 2 for n in shape)
+    share = np.clip(np.hypot(rows[:, None], columns) / radius - 1, 0, 1)
+    return np.asarray(share**2 * (3 - 2 * share), dtype=np.float32)
+
+
 def nonnegative(psf: Picture) -> Picture:
     """Take out-of-gamut colour to the gamut's edge, keeping each channel's sum.
 
