@@ -7,6 +7,7 @@ sums to 1, and a finite one carries the fraction that it holds.
 camera      cameras, and their point spread functions
 kernel      fading, non-negative kernels, what other programs expect
 composite   replace, scatter and add
+sources     which light of a picture makes glare: the knee, the matte
 
 The eye:
 eye             what an eye is made of, its state at a time, and the named eyes
@@ -23,6 +24,9 @@ sources     which light of a picture makes glare: the knee, the matte
 eye_composite  an eye's glare on a picture, weighed by solid angle
 eye_spread     convolution at half resolution
 eye_stars      small sources, measured whole so that they do not flicker
+eye_composite   an eye's glare on a picture, weighed by solid angle
+eye_spread      convolution at half resolution
+eye_stars       small sources, measured whole so that they do not flicker
 """
 
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
