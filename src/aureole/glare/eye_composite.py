@@ -212,10 +212,12 @@ def glare_part(
         Share of each pixel's light that the kernel gets.
     field_of_view : float, optional
         As in `eye_prepare`.
-    mode, resolution, precision : str
+    mode, resolution : str
         As in `eye_prepare`.
     core_radius : float
         Pixels within which "scatter" and "add" keep the picture sharp.
+    precision : str
+        As in `eye_prepare`.
 
     Returns
     -------
