@@ -19,14 +19,14 @@ eye_noise       noise in time with a given spectrum
 veil            published glare functions of the eye, by angle, age and pigment
 eye_particles   particles of cornea, lens and vitreous that scatter what CIE 135 says
 eye_aperture    the eye's parts as amplitudes on the plane of its pupil
-sources     which light of a picture makes glare: the knee, the matte
-
-eye_composite  an eye's glare on a picture, weighed by solid angle
-eye_spread     convolution at half resolution
-eye_stars      small sources, measured whole so that they do not flicker
 eye_composite   an eye's glare on a picture, weighed by solid angle
 eye_spread      convolution at half resolution
 eye_stars       small sources, measured whole so that they do not flicker
+eye_wave        the wave behind the pupil: its power over frequency, ready for any pixels
+eye_pixels      where pixels lie in angle, and what falls into them
+eye_pattern     wavelengths, and the veil beyond the wave's reach
+eye_components  the patterns of the eye's parts one by one, and their shares of the light
+eye_psf         the eye's point spread function
 """
 
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
@@ -34,6 +34,7 @@ from aureole.glare.composite import MODES, Composition, composite, prepare
 from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
 from aureole.glare.eye_adaptation import adapted, adapted_after
 from aureole.glare.eye_aperture import COMPONENTS, corona_layers, eye_aperture, eye_parts, open_share
+from aureole.glare.eye_components import THESIS_WEIGHTS, component_psfs, component_weights
 from aureole.glare.eye_composite import (
     BORDERS,
     EyeComposition,
@@ -42,6 +43,7 @@ from aureole.glare.eye_composite import (
     solid_angle_weights,
 )
 from aureole.glare.eye_lids import blinks
+from aureole.glare.eye_psf import eye_psf, eye_psf_stages
 from aureole.glare.eye_pupil import pupil_diameter, ritschel_diameter
 from aureole.glare.eye_spread import RESOLUTIONS
 from aureole.glare.eye_stars import compact_light, lumps
@@ -55,6 +57,7 @@ __all__ = [
     "KNEES",
     "MODES",
     "RESOLUTIONS",
+    "THESIS_WEIGHTS",
     "Composition",
     "Eye",
     "EyeComposition",
@@ -68,6 +71,8 @@ __all__ = [
     "camera_psf_stages",
     "check_eye",
     "compact_light",
+    "component_psfs",
+    "component_weights",
     "composite",
     "corona_layers",
     "encircled_energy",
@@ -76,6 +81,8 @@ __all__ = [
     "eye_named",
     "eye_parts",
     "eye_prepare",
+    "eye_psf",
+    "eye_psf_stages",
     "fade",
     "kernel_for",
     "lumps",

@@ -1,0 +1,184 @@
+"""From the wave behind an eye's pupil to the pixels of its pattern: wavelengths, and the veil beyond.
+
+Where the raster's frequencies end, the pattern fades into the glare function of CIE 135. The fading follows
+the frequency, so that red light is carried by wave optics farther than blue, and the veil fills what each
+wavelength lacks.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from aureole import light
+from aureole.glare.eye import Eye
+from aureole.glare.eye_pixels import RIGHT_ANGLE, Frame, add_wave, radial_energies
+from aureole.glare.eye_wave import View, Wave, fade_share
+from aureole.glare.veil import cie_135, hemisphere_energy
+from aureole.records import Spectrum
+
+WAVELENGTHS = 32
+SHORTEST, LONGEST, REFERENCE_WAVELENGTH = 380e-9, 770e-9, 575e-9
+# Wavelengths lie so densely that streaks step by at most so many pixels, but no more than MOST.
+STEP, MOST_WAVELENGTHS = 1.5, 240
+# The raster is so much wider than the pupil; its pixels are between these sizes, in metres, by default.
+MARGIN, FINEST_PIXEL, COARSEST_PIXEL = 1.1, 1.95e-6, 3.9e-6
+BLOCK, SMALLEST_SIZE, LARGEST_SIZE = 64, 256, 4096
+VEIL_ANGLES = 600
+# Where the energy that is missing to the whole goes: about the axis, to all parts alike, or nowhere.
+RESTS = ("core", "all", "none")
+
+
+@dataclass(frozen=True, eq=False)
+class Lamp:
+    """The wavelengths of a light: (K,) metres, and weights (K, 3) whose sum over K is 1 in each channel."""
+
+    wavelengths: NDArray[np.float64]
+    weights: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Veil:
+    """CIE 135's glare function for an age in years and a pigment p, times a strength."""
+
+    age: float
+    pigment: float
+    strength: float = 1.0
+
+    @classmethod
+    def of(cls, eye: Eye, share: float = 1.0) -> "Veil":
+        """Return an eye's veil relative to a share of the light."""
+        return cls(eye.age, eye.pigment, eye.particles / share)
+
+    def density(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return 1 / steradian, normalised over the hemisphere before the strength counts."""
+
+        def glare(places: NDArray[np.float64]) -> NDArray[np.float64]:
+            return cie_135(places, self.age, self.pigment)
+
+        return self.strength * glare(angle) / hemisphere_energy(glare)
+
+
+def raster_size(pupil_diameter: float, frame: Frame) -> int:
+    """Return how many pixels a side the amplitude on the pupil should have.
+
+    Parameters
+    ----------
+    pupil_diameter : float
+        Metres.
+    frame : Frame
+        What is looked at.
+
+    Returns
+    -------
+    int
+        Even, with small prime factors, 256 to 4096.
+    """
+    frequency = math.sin(frame.farthest) / SHORTEST
+    pixel = min(max(FINEST_PIXEL, 0.25 / frequency), COARSEST_PIXEL)
+    blocks = math.ceil(MARGIN * pupil_diameter / pixel / BLOCK)
+    size = BLOCK * int(fft.next_fast_len(blocks, real=True))
+    return min(max(size, SMALLEST_SIZE), LARGEST_SIZE)
+
+
+def view_of(frame: Frame, tail: bool) -> View:
+    """Return which frequencies a frame's pixels look at.
+
+    Parameters
+    ----------
+    frame : Frame
+        The pixels.
+    tail : bool
+        Whether the veil follows where the wave ends.
+
+    Returns
+    -------
+    View
+        Of all visible wavelengths.
+    """
+    farthest = math.sin(frame.farthest) / SHORTEST
+    return View(farthest, frame.step / REFERENCE_WAVELENGTH, tail)
+
+
+def lamp_of(spectrum: Spectrum | None, colour_space: str, frame: Frame, wavelengths: int) -> Lamp:
+    """Choose the wavelengths of a light and weigh them in RGB.
+
+    Parameters
+    ----------
+    spectrum : Spectrum or None
+        Equal energy unless given.
+    colour_space : str
+        Of the weights; the light itself is white in it.
+    frame : Frame
+        Streaks step by few of its pixels from one wavelength to the next.
+    wavelengths : int
+        At least so many.
+
+    Returns
+    -------
+    Lamp
+        Each channel's weights sum to 1.
+    """
+    lamp = light.illuminant("E") if spectrum is None else spectrum
+    radius = min(frame.farthest, math.radians(6)) / frame.step
+    wanted = math.ceil(radius * math.log(LONGEST / SHORTEST) / STEP)
+    count = max(wavelengths, min(wanted, MOST_WAVELENGTHS))
+    places, weights = light.quadrature(lamp, count, SHORTEST, LONGEST)
+    if lamp.kind == "lines" and len(lamp.wavelengths) == 1:
+        return Lamp(places, np.ones((1, 3)))
+    weights = weights @ light.matrix("xyz", colour_space, light.white(lamp)).T
+    return Lamp(places, weights)
+
+
+def developed(wave: Wave, frame: Frame, lamp: Lamp, veil: Veil | None, rest: str) -> NDArray[np.float32]:
+    """Return a wave's energy in each pixel, with the veil beyond its reach.
+
+    Parameters
+    ----------
+    wave : Wave
+        Behind the pupil.
+    frame : Frame
+        The pixels.
+    lamp : Lamp
+        The light.
+    veil : Veil or None
+        What follows where the wave fades; None for the wave alone.
+    rest : str
+        One of `RESTS`: where each wavelength's energy is made 1 over the hemisphere.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns, 3)
+        Energy of each pixel.
+    """
+    pixels = np.zeros((*frame.shape, 3), dtype=np.float32)
+    ones = np.ones(len(lamp.wavelengths))
+    angles, beyond, energies = _beyond(wave, lamp, veil)
+    core_gains, scale = ones, ones
+    if rest == "core":
+        missing = 1 - wave.energy - energies
+        core_gains = np.maximum(1 + missing / wave.core_energy, 0.0)
+        scale = 1 / (wave.energy + energies + (core_gains - 1) * wave.core_energy)
+    elif rest == "all":
+        scale = 1 / (wave.energy + energies)
+    weights = lamp.weights * scale[:, None]
+    add_wave(wave, frame, lamp.wavelengths, weights, core_gains, pixels)
+    if veil is not None:
+        pixels += radial_energies(frame, angles, beyond @ weights)
+    return pixels
+
+
+def _beyond(
+    wave: Wave, lamp: Lamp, veil: Veil | None
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return angles (N,), the veil's density (N, K) where the wave fades, and its energies (K,)."""
+    start = math.asin(min(1.0, wave.fade[0] * float(lamp.wavelengths.min())))
+    angles = np.geomspace(0.99 * start, RIGHT_ANGLE, VEIL_ANGLES)
+    if veil is None:
+        return angles, np.zeros((VEIL_ANGLES, len(lamp.wavelengths))), np.zeros(len(lamp.wavelengths))
+    frequencies = np.sin(angles)[:, None] / lamp.wavelengths
+    beyond = veil.density(angles)[:, None] * (1 - fade_share(frequencies, wave.fade))
+    rings = 2 * np.pi * (np.sin(angles) * angles)[:, None] * beyond
+    return angles, beyond, np.trapezoid(rings, np.log(angles), axis=0)
