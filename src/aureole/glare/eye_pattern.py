@@ -33,7 +33,15 @@ RESTS = ("core", "all", "none")
 
 @dataclass(frozen=True, eq=False)
 class Lamp:
-    """The wavelengths of a light: (K,) metres, and weights (K, 3) whose sum over K is 1 in each channel."""
+    """The wavelengths of a light.
+
+    Parameters
+    ----------
+    wavelengths : ndarray of float64, shape (K,)
+        Metres.
+    weights : ndarray of float64, shape (K, 3)
+        By channel; their sum over K is 1 in each.
+    """
 
     wavelengths: NDArray[np.float64]
     weights: NDArray[np.float64]
@@ -41,7 +49,17 @@ class Lamp:
 
 @dataclass(frozen=True)
 class Veil:
-    """CIE 135's glare function for an age in years and a pigment p, times a strength."""
+    """CIE 135's glare function, times a strength.
+
+    Parameters
+    ----------
+    age : float
+        Years.
+    pigment : float
+        p, 0 to 1.2.
+    strength : float
+        Its integral over the hemisphere.
+    """
 
     age: float
     pigment: float
