@@ -37,7 +37,7 @@ from aureole.aperture.geometry import (
     orientation,
     ring_moments,
 )
-from aureole.aperture.lashes import Lids, lash_coverage, lashes, lid_opening_share, lids
+from aureole.aperture.lashes import Lids, close_lids, lash_coverage, lashes, lids
 from aureole.aperture.masks import from_mask, from_picture, rasterize
 from aureole.aperture.obstructions import cats_eye, obstruction, shadow, spiders
 from aureole.aperture.particles import (
@@ -79,6 +79,7 @@ __all__ = [
     "check_wavefront",
     "chords",
     "circle",
+    "close_lids",
     "dimmed",
     "disc_coverage",
     "disc_outlines",
@@ -96,7 +97,6 @@ __all__ = [
     "joined",
     "lash_coverage",
     "lashes",
-    "lid_opening_share",
     "lids",
     "moved",
     "obstacle",

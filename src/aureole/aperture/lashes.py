@@ -72,42 +72,44 @@ def lids(opening: float) -> Lids:
     return Lids(margin(UPPER, UPPER_RADIUS), margin(LOWER, LOWER_RADIUS))
 
 
-def lid_opening_share(
-    margins: Lids, size: int, width: float, shift: tuple[float, float] = (0.0, 0.0)
-) -> NDArray[np.float32]:
-    """Return the part of each pixel of a square that lies between the lids.
+def close_lids(
+    mask: NDArray[np.float32], margins: Lids, width: float, shift: tuple[float, float] = (0.0, 0.0)
+) -> None:
+    """Take what lids cover off a mask, in place.
 
     Parameters
     ----------
+    mask : ndarray of float32, shape (size, size)
+        Multiplied by the part of each pixel that lies between the lids, exact for margins that are
+        straight across a pixel.
     margins : Lids
         Of the two lids.
-    size : int
-        Pixels on each side.
     width : float
-        Side of the square, metres.
+        Side of the mask, metres.
     shift : tuple of float
         (x, y) by which the lids' shadow is moved, metres.
-
-    Returns
-    -------
-    ndarray of float32, shape (size, size)
-        0 to 1, exact for margins that are straight across a pixel.
 
     Raises
     ------
     refuse.Refusal
-        Where a number is outside its range.
+        Where the width is not positive.
     """
-    refuse.at_least("size", size, 1)
+    size = len(mask)
     pixel = refuse.positive("width", width) / size
     x = np.linspace(-width / 2, width / 2, size + 1) - shift[0]
-    shares = []
-    for height, curvature in (margins.upper, margins.lower):
-        margin = (height + shift[1] + curvature * x**2 / 2) / pixel + size / 2
-        shares.append(_below(margin, size))
-    # What lies below the upper margin less what lies below the lower one.
-    shares[0] -= shares[1]
-    return np.clip(shares[0], 0, 1, out=shares[0])
+    upper, lower = (
+        (height + shift[1] + curvature * x**2 / 2) / pixel + size / 2
+        for height, curvature in (margins.upper, margins.lower)
+    )
+    first, last = _rows(upper, size)[0], _rows(lower, size)[1]
+    mask[:first], mask[max(first, last) :] = 0, 0
+    bands = [_rows(upper, size), _rows(lower, size)]
+    if bands[0][1] > bands[1][0]:
+        bands = [(min(bands[0][0], bands[1][0]), max(bands[0][1], bands[1][1]))]
+    for top, bottom in bands:
+        # What lies below the upper margin less what lies below the lower one.
+        between = _below(upper, top, bottom) - _below(lower, top, bottom)
+        mask[top:bottom] *= np.maximum(between, 0).astype(np.float32)
 
 
 def lashes(
@@ -201,19 +203,20 @@ def lash_coverage(shadows: Sequence[Outline], size: int, width: float) -> NDArra
     return np.subtract(1, free, out=free)
 
 
-def _below(margin: NDArray[np.float64], size: int) -> NDArray[np.float32]:
-    """Return the part of each pixel below a line through the columns' borders, heights in pixels."""
+def _rows(margin: NDArray[np.float64], size: int) -> tuple[int, int]:
+    """Return the first row of pixels that a margin crosses, and the row after the last."""
+    top = int(np.clip(np.floor(margin.min()), 0, size))
+    return top, int(np.clip(np.ceil(margin.max()), top, size))
+
+
+def _below(margin: NDArray[np.float64], top: int, bottom: int) -> NDArray[np.float64]:
+    """Return the part of each pixel of some rows below a line through the columns' borders."""
     low, high = np.minimum(margin[:-1], margin[1:]), np.maximum(margin[:-1], margin[1:])
-    top = int(np.clip(np.floor(low.min()), 0, size))
-    bottom = int(np.clip(np.ceil(high.max()), top, size))
-    part = np.empty((size, size), dtype=np.float32)
-    part[:top], part[bottom:] = 0, 1
     edges = np.arange(top, bottom + 1)[:, None]
     # Within a column the line rises evenly: the mean over it of what lies above an edge of the pixels.
     rise = np.maximum(high - low, 1e-9)
     above = (np.clip(edges - low, 0, rise) ** 2 / 2) / rise + np.maximum(edges - high, 0)
-    part[top:bottom] = np.diff(above, axis=0)
-    return part
+    return np.asarray(np.diff(above, axis=0))
 
 
 def _normal(chances: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -27,6 +27,7 @@ eye_pixels      where pixels lie in angle, and what falls into them
 eye_pattern     wavelengths, and the veil beyond the wave's reach
 eye_components  the patterns of the eye's parts one by one, and their shares of the light
 eye_psf         the eye's point spread function
+eye_picture     a picture of these parts, for people to look at
 """
 
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
@@ -43,6 +44,7 @@ from aureole.glare.eye_composite import (
     solid_angle_weights,
 )
 from aureole.glare.eye_lids import blinks
+from aureole.glare.eye_picture import eye_picture
 from aureole.glare.eye_psf import eye_psf, eye_psf_stages
 from aureole.glare.eye_pupil import pupil_diameter, ritschel_diameter
 from aureole.glare.eye_spread import RESOLUTIONS
@@ -80,6 +82,7 @@ __all__ = [
     "eye_composite",
     "eye_named",
     "eye_parts",
+    "eye_picture",
     "eye_prepare",
     "eye_psf",
     "eye_psf_stages",

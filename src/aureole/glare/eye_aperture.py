@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import refuse
-from aureole.aperture import Discs
+from aureole.aperture import Discs, Fibres
 from aureole.glare.eye import EyeState
 from aureole.glare.eye_particles import LAYERS, populations
-from aureole.records import Aperture
+from aureole.records import Aperture, Outline
 
 COMPONENTS = ("bloom", "halo", "corona", "streaks")
 # Particles lie within this of the axis: a pupil of 9 mm is filled while the lens moves, metres.
@@ -71,7 +71,7 @@ def eye_parts(
     return {
         "bloom": _open_pupil(state, size, width, source),
         "halo": _halo(state, size, width),
-        "corona": _corona(_within_pupil(_particles(state), state), size, width),
+        "corona": _corona(_pupil_particles(state), size, width),
         "streaks": _streaks(state, size, width, source),
     }
 
@@ -143,7 +143,7 @@ def corona_layers(
         Where a number is outside its range.
     """
     refuse.positive("boundary", boundary)
-    discs = _within_pupil(_particles(state), state)
+    discs = _pupil_particles(state)
     large = discs.radii >= boundary
     return {
         name: _corona(Discs(discs.centres[chosen], discs.radii[chosen]), size, width)
@@ -182,18 +182,14 @@ def _open_pupil(state: EyeState, size: int, width: float, source: Source) -> NDA
     """Return pupil times lids."""
     radius = refuse.positive("pupil_diameter", state.pupil_diameter) / 2
     pupil = apertures.disc_coverage(Discs(np.zeros((1, 2)), np.array([radius])), size, width)
-    margins, shift = apertures.lids(state.lid_opening), _shadow(source, LID_DISTANCE)
-    pupil *= apertures.lid_opening_share(margins, size, width, shift)
+    apertures.close_lids(pupil, apertures.lids(state.lid_opening), width, lid_shadow(source))
     return pupil
 
 
 def _halo(state: EyeState, size: int, width: float) -> NDArray[np.float32]:
-    eye = state.eye
-    breadth = None if eye.fibre_count is not None else eye.fibre_width
-    rest = apertures.fibres(eye.fibre_annulus, breadth, eye.fibre_count, (eye.seed, FIBRES))
     reach = state.pupil_diameter / 2 + width / size
-    halo = apertures.fibre_coverage(apertures.stretched_fibres(rest, state.lens_stretch), size, width, reach)
-    halo *= eye.fibre_depth
+    halo = apertures.fibre_coverage(state_fibres(state), size, width, reach)
+    halo *= state.eye.fibre_depth
     return halo
 
 
@@ -205,25 +201,103 @@ def _corona(discs: Discs, size: int, width: float) -> NDArray[np.float32]:
 
 
 def _streaks(state: EyeState, size: int, width: float, source: Source) -> NDArray[np.float32]:
+    return apertures.lash_coverage(lash_shadows(state, source), size, width)
+
+
+def state_fibres(state: EyeState) -> Fibres:
+    """Return the lens fibres of an eye at a time.
+
+    Parameters
+    ----------
+    state : EyeState
+        The eye at a time.
+
+    Returns
+    -------
+    Fibres
+        Moved with the lens.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is outside its range.
+    """
     eye = state.eye
-    shadows = apertures.lashes(
-        eye.lashes,
-        eye.lash_spread,
-        eye.lash_width,
-        state.lid_opening,
-        (eye.seed, LASHES),
-        _shadow(source, LID_DISTANCE),
-        _shadow(source, eye.lash_distance),
-    )
-    return apertures.lash_coverage(shadows, size, width)
+    breadth = None if eye.fibre_count is not None else eye.fibre_width
+    rest = apertures.fibres(eye.fibre_annulus, breadth, eye.fibre_count, (eye.seed, FIBRES))
+    return apertures.stretched_fibres(rest, state.lens_stretch)
 
 
-def _particles(state: EyeState) -> Discs:
-    """Return all particles, moved with their layers."""
+def moved_particles(state: EyeState) -> tuple[Discs, ...]:
+    """Return the particles of an eye at a time.
+
+    Parameters
+    ----------
+    state : EyeState
+        The eye at a time.
+
+    Returns
+    -------
+    tuple of Discs
+        Of the cornea, where they stay; of the lens, moved with it; of the vitreous, turned with it.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is outside its range.
+    """
     eye = state.eye
     cornea, lens, vitreous = _at_rest(eye.age, eye.pigment, eye.particles, eye.seed)
     moved = apertures.stretched(lens, state.lens_stretch, (eye.seed, LENS_SHAPE), FIELD_RADIUS)
-    return apertures.joined([cornea, moved, apertures.turned(vitreous, state.vitreous_angle)])
+    return cornea, moved, apertures.turned(vitreous, state.vitreous_angle)
+
+
+def lash_shadows(state: EyeState, source: Source = (0.0, 0.0)) -> tuple[Outline, ...]:
+    """Return the lashes' shadows on the pupil plane.
+
+    Parameters
+    ----------
+    state : EyeState
+        The eye at a time.
+    source : tuple of float
+        As in `eye_parts`. Roots stand as far before the pupil as the lids, tips at `lash_distance`.
+
+    Returns
+    -------
+    tuple of Outline
+        Opaque rings, metres.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is outside its range.
+    """
+    eye, roots, tips = state.eye, lid_shadow(source), _shadow(source, state.eye.lash_distance)
+    chances = (eye.seed, LASHES)
+    return apertures.lashes(
+        eye.lashes, eye.lash_spread, eye.lash_width, state.lid_opening, chances, roots, tips
+    )
+
+
+def lid_shadow(source: Source) -> tuple[float, float]:
+    """Return by how much light from a direction moves the lids' shadow.
+
+    Parameters
+    ----------
+    source : tuple of float
+        As in `eye_parts`.
+
+    Returns
+    -------
+    tuple of float
+        (x, y) in metres.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where an angle is beyond 80 degrees.
+    """
+    return _shadow(source, LID_DISTANCE)
 
 
 @lru_cache(maxsize=8)
@@ -237,8 +311,9 @@ def _at_rest(age: float, pigment: float, factor: float, seed: int) -> tuple[Disc
     return tuple(apertures.joined(lots[layer]) for layer in LAYERS)
 
 
-def _within_pupil(discs: Discs, state: EyeState) -> Discs:
-    """Leave out discs that the iris hides."""
+def _pupil_particles(state: EyeState) -> Discs:
+    """Return all particles that the iris does not hide."""
+    discs = apertures.joined(moved_particles(state))
     reach = state.pupil_diameter / 2 + discs.radii
     seen = np.einsum("ij,ij->i", discs.centres, discs.centres) < reach**2
     return Discs(discs.centres[seen], discs.radii[seen])
