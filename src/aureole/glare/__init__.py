@@ -20,6 +20,7 @@ veil            published glare functions of the eye, by angle, age and pigment
 eye_particles   particles of cornea, lens and vitreous that scatter what CIE 135 says
 eye_aperture    the eye's parts as amplitudes on the plane of its pupil
 eye_composite   an eye's glare on a picture, weighed by solid angle
+eye_field       glare that changes with the source's place, and layers by the source's strength
 eye_spread      convolution at half resolution
 eye_stars       small sources, measured whole so that they do not flicker
 eye_wave        the wave behind the pupil: its power over frequency, ready for any pixels
@@ -42,7 +43,9 @@ from aureole.glare.eye_composite import (
     eye_composite,
     eye_prepare,
     solid_angle_weights,
+    tangent_pitch,
 )
+from aureole.glare.eye_field import eye_field, eye_stamps, field_places, radial_layers
 from aureole.glare.eye_lids import blinks
 from aureole.glare.eye_picture import eye_picture
 from aureole.glare.eye_psf import eye_psf, eye_psf_stages
@@ -80,13 +83,16 @@ __all__ = [
     "encircled_energy",
     "eye_aperture",
     "eye_composite",
+    "eye_field",
     "eye_named",
     "eye_parts",
     "eye_picture",
     "eye_prepare",
     "eye_psf",
     "eye_psf_stages",
+    "eye_stamps",
     "fade",
+    "field_places",
     "kernel_for",
     "lumps",
     "nonnegative",
@@ -94,7 +100,9 @@ __all__ = [
     "prepare",
     "pupil",
     "pupil_diameter",
+    "radial_layers",
     "ritschel_diameter",
     "solid_angle_weights",
     "states",
+    "tangent_pitch",
 ]

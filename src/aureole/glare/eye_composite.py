@@ -109,12 +109,18 @@ class EyeComposition:
         One for the whole frame, or several that share it.
     colour_space : str
         Of the point spread functions.
+    field_of_view : float or None
+        Radians across the columns.
+    core_radius : float
+        Pixels within which "scatter" and "add" keep the picture sharp.
     """
 
     mode: str
     border: str
     parts: tuple[GlarePart, ...]
     colour_space: str
+    field_of_view: float | None = None
+    core_radius: float = 0.5
 
 
 def solid_angle_weights(shape: tuple[int, int], field_of_view: float | None) -> NDArray[np.float32]:
@@ -139,9 +145,36 @@ def solid_angle_weights(shape: tuple[int, int], field_of_view: float | None) -> 
     """
     if field_of_view is None:
         return np.ones(shape, dtype=np.float32)
-    pitch = _pitch(shape, field_of_view)
+    pitch = tangent_pitch(shape, field_of_view)
     y, x = ((np.arange(n) - (n - 1) / 2) * pitch for n in shape)
     return np.asarray((1 + y[:, None] ** 2 + x**2) ** -1.5, dtype=np.float32)
+
+
+def tangent_pitch(shape: tuple[int, int], field_of_view: float) -> float:
+    """Return the size of a flat picture's pixels as a tangent: that of a pixel's angle at the centre.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (rows, columns).
+    field_of_view : float
+        Radians across the columns.
+
+    Returns
+    -------
+    float
+        A pixel n columns off the centre lies at the angle atan(n · pitch).
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the field is not between 0 and 180 degrees.
+    """
+    if not 0 < refuse.positive("field_of_view", field_of_view) < math.pi:
+        raise refuse.Refusal(
+            f"'field_of_view' must be below 180 degrees, got {math.degrees(field_of_view):g} degrees."
+        )
+    return 2 * math.tan(field_of_view / 2) / refuse.at_least("columns", shape[1], 1)
 
 
 def eye_prepare(
@@ -187,10 +220,38 @@ def eye_prepare(
         picture's.
     """
     weights = solid_angle_weights(shape, field_of_view)
-    pixel = 1.0 if field_of_view is None else _pitch(shape, field_of_view)
-    core_radius = 0.5 if field_of_view is None else max(0.5, math.tan(core_angle) / pixel)
-    part = glare_part(psf, weights, field_of_view, mode, resolution, core_radius, precision)
-    return EyeComposition(mode, refuse.one_of("border", border, BORDERS), (part,), psf.colour_space)
+    radius = core_pixels(shape, field_of_view, core_angle)
+    part = glare_part(psf, weights, field_of_view, mode, resolution, radius, precision)
+    refuse.one_of("border", border, BORDERS)
+    return EyeComposition(mode, border, (part,), psf.colour_space, field_of_view, radius)
+
+
+def core_pixels(shape: tuple[int, int], field_of_view: float | None, core_angle: float) -> float:
+    """Return how many pixels an angle about the core is at the picture's centre.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (rows, columns).
+    field_of_view : float or None
+        Radians across the columns; None where that is not known.
+    core_angle : float
+        Radians.
+
+    Returns
+    -------
+    float
+        At least half a pixel, which is the core's own.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the angle is negative or above 45 degrees.
+    """
+    refuse.between("core_angle", core_angle, 0, math.pi / 4)
+    if field_of_view is None:
+        return 0.5
+    return max(0.5, math.tan(core_angle) / tangent_pitch(shape, field_of_view))
 
 
 def glare_part(
@@ -229,9 +290,45 @@ def glare_part(
     refuse.Refusal
         As in `eye_prepare`.
     """
-    refuse.one_of("mode", mode, MODES)
     refuse.one_of("resolution", resolution, RESOLUTIONS)
     shape = (weights.shape[0], weights.shape[1])
+    kernel = glare_kernel(psf, shape, field_of_view, mode, core_radius)
+    return part_of(kernel, weights, spreader(kernel, shape, resolution, precision))
+
+
+def glare_kernel(
+    psf: Picture,
+    shape: tuple[int, int],
+    field_of_view: float | None = None,
+    mode: str = "replace",
+    core_radius: float = 0.5,
+) -> NDArray[np.float32]:
+    """Return what a point spread function takes from a pixel and lays beyond its core.
+
+    Parameters
+    ----------
+    psf : Picture
+        As in `eye_prepare`.
+    shape : tuple of int
+        (rows, columns) of the pictures.
+    field_of_view : float, optional
+        As in `eye_prepare`.
+    mode : str
+        As in `eye_prepare`.
+    core_radius : float
+        Pixels within which "scatter" and "add" keep the picture sharp.
+
+    Returns
+    -------
+    ndarray of float32, shape (K, L, 3)
+        Not negative, its core dark.
+
+    Raises
+    ------
+    refuse.Refusal
+        As in `eye_prepare`.
+    """
+    refuse.one_of("mode", mode, MODES)
     _refuse_other_scale(psf, shape, field_of_view)
     kernel = nonnegative(psf).pixels[..., :3].copy()
     total = float(channel_sums(kernel).max())
@@ -240,10 +337,28 @@ def glare_part(
     kernel[kernel.shape[0] // 2, kernel.shape[1] // 2] = 0
     if mode != "replace":
         kernel *= beyond_core((kernel.shape[0], kernel.shape[1]), core_radius)[..., None]
-    scattered = channel_sums(kernel).astype(np.float32)
-    return GlarePart(
-        weights, arriving_share(kernel, shape), scattered, spreader(kernel, shape, resolution, precision)
-    )
+    return kernel
+
+
+def part_of(kernel: NDArray[np.float32], weights: NDArray[np.float32], spread: Any) -> GlarePart:
+    """Return a part from a kernel and what convolves with it.
+
+    Parameters
+    ----------
+    kernel : ndarray of float32, shape (K, L, 3)
+        From `glare_kernel`.
+    weights : ndarray of float32, shape (rows, columns)
+        Share of each pixel's light that the kernel gets.
+    spread : callable
+        Takes light (rows, columns, 3) to its convolution with the kernel.
+
+    Returns
+    -------
+    GlarePart
+        Ready.
+    """
+    shape = (weights.shape[0], weights.shape[1])
+    return GlarePart(weights, arriving_share(kernel, shape), channel_sums(kernel).astype(np.float32), spread)
 
 
 def arriving_share(kernel: NDArray[np.floating], shape: tuple[int, int]) -> NDArray[np.float32]:
@@ -379,21 +494,12 @@ def _spread(bright: NDArray[np.float32], ready: EyeComposition) -> NDArray[np.fl
     return total
 
 
-def _pitch(shape: tuple[int, int], field_of_view: float) -> float:
-    """Return the tangent of a pixel's angle at the picture's centre."""
-    if not 0 < refuse.positive("field_of_view", field_of_view) < math.pi:
-        raise refuse.Refusal(
-            f"'field_of_view' must be below 180 degrees, got {math.degrees(field_of_view):g} degrees."
-        )
-    return 2 * math.tan(field_of_view / 2) / refuse.at_least("columns", shape[1], 1)
-
-
 def _refuse_other_scale(psf: Picture, shape: tuple[int, int], field_of_view: float | None) -> None:
     """Refuse a kernel whose degrees per pixel are neither those at the centre nor the frame's mean."""
     said = psf.metadata.get("degrees_per_pixel")
     if field_of_view is None or not isinstance(said, int | float):
         return
-    mean, central = math.degrees(field_of_view) / shape[1], math.degrees(_pitch(shape, field_of_view))
+    mean, central = math.degrees(field_of_view) / shape[1], math.degrees(tangent_pitch(shape, field_of_view))
     if not mean * (1 - SCALE_SLACK) <= said <= central * (1 + SCALE_SLACK):
         raise refuse.Refusal(
             f"'psf' must have the picture's {mean:.4g} to {central:.4g} degrees per pixel, got {said:.4g}."
