@@ -29,6 +29,12 @@ eye_pattern     wavelengths, and the veil beyond the wave's reach
 eye_components  the patterns of the eye's parts one by one, and their shares of the light
 eye_psf         the eye's point spread function
 eye_picture     a picture of these parts, for people to look at
+glare_frames    room for glare patterns of one size, as spectra
+flipbook        the parts' patterns through the eye's range of motion
+flipbook_files  flipbooks in a file
+fresh_glare     the same from a wave computed for every picture
+flipbook_error  how far flipbooks are from that wave
+real_time       a moving eye's glare on pictures, many times a second
 """
 
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
@@ -52,12 +58,18 @@ from aureole.glare.eye_psf import eye_psf, eye_psf_stages
 from aureole.glare.eye_pupil import pupil_diameter, ritschel_diameter
 from aureole.glare.eye_spread import RESOLUTIONS
 from aureole.glare.eye_stars import compact_light, lumps
+from aureole.glare.flipbook import FRAMES, Flipbooks, make_flipbooks, make_flipbooks_stages
+from aureole.glare.flipbook_error import FlipbookError, flipbook_error
+from aureole.glare.flipbook_files import load_flipbooks, save_flipbooks
+from aureole.glare.fresh_glare import FreshGlare
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
+from aureole.glare.real_time import RealTimeGlare
 from aureole.glare.sources import KNEES, above_knee
 
 __all__ = [
     "BORDERS",
     "COMPONENTS",
+    "FRAMES",
     "HOSTS",
     "KNEES",
     "MODES",
@@ -67,6 +79,10 @@ __all__ = [
     "Eye",
     "EyeComposition",
     "EyeState",
+    "FlipbookError",
+    "Flipbooks",
+    "FreshGlare",
+    "RealTimeGlare",
     "above_knee",
     "adapted",
     "adapted_after",
@@ -93,8 +109,12 @@ __all__ = [
     "eye_stamps",
     "fade",
     "field_places",
+    "flipbook_error",
     "kernel_for",
+    "load_flipbooks",
     "lumps",
+    "make_flipbooks",
+    "make_flipbooks_stages",
     "nonnegative",
     "open_share",
     "prepare",
@@ -102,6 +122,7 @@ __all__ = [
     "pupil_diameter",
     "radial_layers",
     "ritschel_diameter",
+    "save_flipbooks",
     "solid_angle_weights",
     "states",
     "tangent_pitch",

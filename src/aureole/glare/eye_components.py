@@ -7,7 +7,7 @@ near the pattern of the whole amplitude: what is lost is how the parts interfere
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
@@ -52,6 +52,7 @@ def component_psfs(
     source: tuple[float, float] = (0.0, 0.0),
     size: int | None = None,
     wavelengths: int = WAVELENGTHS,
+    components: Sequence[str] = COMPONENTS,
 ) -> dict[str, Picture]:
     """Return the pattern of each part of an eye.
 
@@ -77,11 +78,13 @@ def component_psfs(
         Pixels a side of the amplitude on the pupil, even.
     wavelengths : int
         At least so many.
+    components : sequence of str
+        Which parts; all unless given.
 
     Returns
     -------
     dict of str to Picture
-        By the names of `COMPONENTS`, each (rows, columns, 3) and of energy 1 over the hemisphere in each
+        By the parts' names, each (rows, columns, 3) and of energy 1 over the hemisphere in each
         channel; their metadata has `weight`, the part's share of the light, and `energy_inside`. A part that
         scatters nothing has weight 0 and no light.
 
@@ -90,6 +93,8 @@ def component_psfs(
     refuse.Refusal
         Where a choice or a number does not fit.
     """
+    for name in components:
+        refuse.one_of("components", name, COMPONENTS)
     frame = Frame.checked(shape, field_of_view, projection)
     many = raster_size(state.pupil_diameter, frame) if size is None else refuse.at_least("size", size, 16)
     width = MARGIN * state.pupil_diameter
@@ -97,7 +102,7 @@ def component_psfs(
     lamp = lamp_of(spectrum, colour_space, frame, wavelengths)
     energies, shares = component_energies(parts)
     psfs = {}
-    for name, amplitude in _amplitudes(parts):
+    for name, amplitude in _amplitudes(parts, components):
         pixels = _pattern(state, name, amplitude, energies[name], frame, lamp, tail, shares)
         psf = nonnegative(Picture(pixels, colour_space))
         inside = float(psf.pixels.sum(axis=(0, 1), dtype=np.float64).mean())
@@ -302,14 +307,16 @@ def _pattern(
     return developed(wave, frame, lamp, veil, "core" if name == "bloom" else "all")
 
 
-def _amplitudes(parts: Parts) -> Iterator[tuple[str, NDArray[np.float32]]]:
+def _amplitudes(parts: Parts, components: Sequence[str]) -> Iterator[tuple[str, NDArray[np.float32]]]:
     """Yield each part's amplitude within the open pupil, less its mean."""
     bloom = parts["bloom"]
-    yield "bloom", bloom
-    for name in COMPONENTS[1:]:
-        amplitude = parts[name] - np.float32(_mean(parts, name))
-        amplitude *= bloom
-        yield name, amplitude
+    for name in components:
+        if name == "bloom":
+            yield name, bloom
+        else:
+            amplitude = parts[name] - np.float32(_mean(parts, name))
+            amplitude *= bloom
+            yield name, amplitude
 
 
 def _mean(parts: Parts, name: str) -> float:

@@ -13,7 +13,7 @@
 - `color_config`: OpenColorIO configurations where one is given
 - `torus`: in: sizes, out: the samples for a picture and a kernel, and the transforms along them
 - `convolution`: in: pixels and a kernel, out: pixels of the same size
-- `mixing`: in: kernels, kept in half precision, and weights, out: pictures convolved with their sum
+- `mixing`: in: kernels, kept in 16 bits, and weights, out: pictures convolved with their sum
 - `quality`: in: a picture and its reference, out: plain and logarithmic PSNR, SSIM
 - `display`: in: linear pictures, out: pixels that are ready for a screen
 - `scene`: in: a size and a seed, out: the bundled night scene; `_canvas` and `_far_shore` draw for it

@@ -1,10 +1,11 @@
-"""Kernels kept as spectra in half precision, mixed by weights and convolved with a picture in one go.
+"""Kernels kept as spectra in 16 bits, mixed by weights and convolved with a picture in one go.
 
-A kernel that is even about its centre has a real spectrum, so half of a plane of half floats holds it:
-2 bytes for each sample. The sum over a kernel's pixels, its frequency zero, is kept in double precision
-beside them, so that no light is lost or made. The other frequencies are rounded to 11 binary digits each:
-the result is off by about 1e-4 of what the kernels spread, root mean square. Kernels without their cores
-spread glare only, so that the error has nothing to do with the picture's own light.
+A kernel that is even about its centre has a real spectrum, so half a plane of real numbers holds it. They
+are rounded to 16 bits, each row of 64 neighbours in steps of a 32767th of its largest: the result is off by
+about 1e-5 of what the kernels spread, root mean square, where half floats would be off by 1e-4. The sum over
+a kernel's pixels, its frequency zero, is kept in double precision beside them, so that no light is lost or
+made. Kernels without their cores spread glare only, so that the error has nothing to do with the picture's
+own light.
 """
 
 from collections.abc import Iterable
@@ -18,15 +19,14 @@ from aureole import refuse
 from aureole.picture import _kernels, _kernels_mix
 from aureole.picture.torus import Torus, share, thread_count, torus_for
 
-# Largest magnitude that a spectrum is scaled to, and the smallest one that half floats hold in full.
-LARGEST, SMALLEST = 2.0**15, 2.0**-14
+STEPS = 32767  # from zero to a row's largest number
 # Largest imaginary part of a spectrum, as a part of its root mean square, that passes for rounding.
 ODD = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class KernelMix:
-    """Kernels of one size as spectra in half precision, for pictures of one size.
+    """Kernels of one size as spectra in 16 bits, for pictures of one size.
 
     Parameters
     ----------
@@ -34,18 +34,18 @@ class KernelMix:
         (rows, columns) of the pictures.
     reach : tuple of int
         (rows, columns) of the kernels, both odd; the centre is in the middle.
-    spectra : ndarray of uint16, shape (count, channels, blocks, samples, 64 or 128)
-        Bits of half floats, scaled: real parts and, where kernels are not even, imaginary parts.
-    scales : ndarray of float64, shape (count, channels)
-        What the spectra must be multiplied by.
+    spectra : ndarray of int16, shape (count, channels, blocks, samples, 64 or 128)
+        Real parts and, where kernels are not even, imaginary parts, in steps.
+    steps : ndarray of float32, shape (count, channels, blocks, samples)
+        Size of the steps of each row.
     sums : ndarray of float64, shape (count, channels)
         Of the kernels' pixels.
     """
 
     shape: tuple[int, int]
     reach: tuple[int, int]
-    spectra: NDArray[np.uint16]
-    scales: NDArray[np.float64]
+    spectra: NDArray[np.int16]
+    steps: NDArray[np.float32]
     sums: NDArray[np.float64]
 
     @classmethod
@@ -81,8 +81,9 @@ class KernelMix:
         torus = _torus(shape, reach, 1)
         blocks, samples, _ = torus.half_spectrum().shape
         numbers = _kernels.LANES * (1 if even else 2)
-        spectra = np.zeros((count, channels, blocks, samples, numbers), dtype=np.uint16)
-        return cls(shape, reach, spectra, np.ones((count, channels)), np.zeros((count, channels)))
+        spectra = np.zeros((count, channels, blocks, samples, numbers), dtype=np.int16)
+        steps = np.zeros(spectra.shape[:4], dtype=np.float32)
+        return cls(shape, reach, spectra, steps, np.zeros((count, channels)))
 
     @property
     def is_even(self) -> bool:
@@ -92,7 +93,7 @@ class KernelMix:
     @property
     def nbytes(self) -> int:
         """Bytes of memory that the spectra take."""
-        return int(self.spectra.nbytes)
+        return int(self.spectra.nbytes + self.steps.nbytes)
 
     def put(self, index: int, kernel: ArrayLike, threads: int | None = None) -> None:
         """Transform a kernel and keep it.
@@ -122,25 +123,23 @@ class KernelMix:
             used = len(torus.along.cosines) // 2 + 1 - _kernels.LANES * (len(half) - 1)
             parts = half[..., : 2 * _kernels.LANES].reshape(*half.shape[:2], 2, _kernels.LANES)
             parts[-1, ..., used:] = 0
-            self.scales[index, channel] = self._pack(parts, self.spectra[index, channel])
+            # Frequency zero is kept as the sum; its neighbours have finer steps without it.
+            parts[0, 0, 0, 0] = 0
+            self._round(parts, index, channel)
 
-    def _pack(self, parts: NDArray[np.float32], out: NDArray[np.uint16]) -> float:
-        """Round real and imaginary parts to half floats; return what they must be multiplied by."""
+    def _round(self, parts: NDArray[np.float32], index: int, channel: int) -> None:
+        """Round real and imaginary parts, (blocks, samples, 2, 64), to steps of their rows."""
         if self.is_even:
-            mean_square = float(np.mean(np.square(parts), dtype=np.float64))
-            if float(np.abs(parts[:, :, 1]).max()) > ODD * max(
-                mean_square**0.5, float(np.abs(parts).max()) * 1e-3
-            ):
+            largest, mean_square = float(np.abs(parts).max()), float(np.mean(np.square(parts)))
+            if float(np.abs(parts[:, :, 1]).max()) > ODD * max(mean_square**0.5, ODD * largest):
                 raise refuse.Refusal(
                     "'kernel' must be even about its centre, or room be made with even=False."
                 )
             parts = parts[:, :, :1]
-        largest = float(np.abs(parts).max())
-        scale = 2.0 ** np.ceil(np.log2(largest / LARGEST)) if largest > 0 else 1.0
-        halves = (parts * np.float32(1 / scale)).astype(np.float16)
-        halves[np.abs(halves) < SMALLEST] = 0
-        out[:] = halves.reshape(out.shape).view(np.uint16)
-        return float(scale)
+        rows = parts.reshape(self.spectra.shape[2:])
+        steps = np.abs(rows).max(axis=2) / np.float32(STEPS)
+        self.steps[index, channel] = steps
+        self.spectra[index, channel] = np.rint(rows / np.where(steps > 0, steps, 1)[..., None])
 
 
 class MixedConvolver:
@@ -185,8 +184,8 @@ class MixedConvolver:
         ndarray of float32, shape of `pixels`
             Black outside the picture.
         """
-        channels = self.kernels.sums.shape[1]
-        refuse.shape_of("pixels", pixels, (*self.kernels.shape, channels))
+        kernels, channels = self.kernels, self.kernels.sums.shape[1]
+        refuse.shape_of("pixels", pixels, (*kernels.shape, channels))
         chosen, weights, sums = self._weights(mix)
         self._torus.rows_down(pixels, (0, 0), self._halves)
         rows = len(pixels)
@@ -197,25 +196,23 @@ class MixedConvolver:
             work[rows:] = 0
             self._torus.down.down(work)
             _kernels_mix.multiply_mix(
-                work, self.kernels.spectra, chosen, weights[channel], channel, block, sums[channel]
+                work, kernels.spectra, kernels.steps, chosen, weights, channel, block, sums[channel]
             )
             self._torus.down.up(work)
 
-        blocks = self.kernels.spectra.shape[2]
+        blocks = kernels.spectra.shape[2]
         share(multiply, [(c, b) for c in range(channels) for b in range(blocks)], self._torus.threads)
         result = np.empty_like(pixels, order="C") if out is None else out
         self._torus.rows_up(self._halves, np.float32(lowest), result)
         return result
 
     def _weights(self, mix: Iterable[tuple[int, float]]) -> tuple[Any, Any, Any]:
-        """Return places (k,), their weights (channels, k) and the sums (channels,), all in kernel's units."""
+        """Return places (k,), their weights (k,) and the sums (channels,), scaled for the way back up."""
         wanted = [(index, weight) for index, weight in mix if weight != 0]
         chosen = np.array([index for index, _ in wanted], dtype=np.int64)
-        weights = np.array([weight for _, weight in wanted])[:, None] * float(self._torus.scale)
-        sums = np.sum(weights * self.kernels.sums[chosen], axis=0).astype(np.float32)
-        # Widened bits are 2^112 too small.
-        scaled = (weights * self.kernels.scales[chosen] * 2.0**112).T
-        return chosen, np.ascontiguousarray(scaled, dtype=np.float32), sums
+        weights = np.array([weight for _, weight in wanted]) * float(self._torus.scale)
+        sums = weights @ self.kernels.sums[chosen]
+        return chosen, weights.astype(np.float32), sums.astype(np.float32)
 
 
 def _torus(shape: tuple[int, int], reach: tuple[int, int], threads: int) -> Torus:
