@@ -28,6 +28,7 @@ eye_pixels      where pixels lie in angle, and what falls into them
 eye_pattern     wavelengths, and the veil beyond the wave's reach
 eye_components  the patterns of the eye's parts one by one, and their shares of the light
 eye_psf         the eye's point spread function
+photosafe       limiting how often a sequence of pictures flashes
 eye_picture     a picture of these parts, for people to look at
 glare_frames    room for glare patterns of one size, as spectra
 flipbook        the parts' patterns through the eye's range of motion
@@ -63,6 +64,7 @@ from aureole.glare.flipbook_error import FlipbookError, flipbook_error
 from aureole.glare.flipbook_files import load_flipbooks, save_flipbooks
 from aureole.glare.fresh_glare import FreshGlare
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
+from aureole.glare.photosafe import FlashLimiter, flash_measures, flashes
 from aureole.glare.real_time import RealTimeGlare
 from aureole.glare.sources import KNEES, above_knee
 
@@ -79,6 +81,7 @@ __all__ = [
     "Eye",
     "EyeComposition",
     "EyeState",
+    "FlashLimiter",
     "FlipbookError",
     "Flipbooks",
     "FreshGlare",
@@ -109,6 +112,8 @@ __all__ = [
     "eye_stamps",
     "fade",
     "field_places",
+    "flash_measures",
+    "flashes",
     "flipbook_error",
     "kernel_for",
     "load_flipbooks",
