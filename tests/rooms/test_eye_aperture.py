@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aureole import aperture, glare, refuse
+from aureole import Grid, aperture, diffraction, glare, refuse
 from aureole.glare.eye_aperture import FIELD_RADIUS, lash_shadows, moved_particles
 from aureole.glare.eye_particles import populations
 
@@ -255,6 +255,21 @@ def test_a_defocused_eye_has_a_wavefront_also_where_its_amplitude_is_negative():
     assert not made.wavefront[~lit].any()
     wave = aperture.transmittance(made, 550e-9)
     np.testing.assert_allclose(np.abs(wave), np.abs(made.mask), atol=1e-6)
+
+
+def test_light_half_a_wave_late_counts_as_light():
+    """A mask of −1 is resampled, has a wavefront's root mean square, and a far field, as one of 1 has."""
+    late = glare.eye_aperture(replace(STATE, eye=glare.Eye(defocus=-0.5)), 48, WIDTH)
+    turned = replace(late, mask=-late.mask)
+    assert aperture.wavefront_rms(turned) == pytest.approx(aperture.wavefront_rms(late), rel=1e-12)
+    assert aperture.wavefront_rms(late) > 1e-7
+    half = aperture.rasterize(turned, 24)
+    np.testing.assert_allclose(half, -late.mask.reshape(24, 2, -1, 2).mean(axis=(1, 3)), atol=1e-6)
+    flat, grid = replace(late, wavefront=None), Grid((9, 8), (200.0, 150.0))
+    exact = diffraction.far_field(flat, grid, "reference").amplitude
+    for method in ("quads", "rows", "chirpz"):
+        found = diffraction.far_field(flat, grid, method).amplitude
+        np.testing.assert_allclose(found, exact, atol=2e-6 * np.abs(exact).max())
 
 
 def test_zernike_terms_stand_on_their_own_disc():

@@ -149,6 +149,23 @@ def test_each_pixel_of_a_grating_is_as_covered_as_many_points_say():
     assert np.abs(covered - counted).mean() < 2e-3
 
 
+@pytest.mark.parametrize("size", [63, 64])
+def test_a_square_that_cuts_the_fibres_shows_the_middle_of_a_larger_one(size):
+    made = aperture.fibres((15.0, 60.0), width=5.0, shell=15.0)
+    whole = aperture.fibre_coverage(made, size + 128, size + 128.0)
+    middle = aperture.fibre_coverage(made, size, float(size))
+    np.testing.assert_allclose(middle, whole[64:-64, 64:-64], atol=1e-6)
+    assert not aperture.fibre_coverage(made, 16, 16.0).any()
+
+
+def test_pixels_beyond_the_reach_are_left_out():
+    made = aperture.fibres((15.0, 30.0), count=40)
+    near, whole = (aperture.fibre_coverage(made, 64, 64.0, reach) for reach in (20.0, math.inf))
+    distance = np.hypot(*np.meshgrid(*[np.arange(64) - 31.5] * 2))
+    np.testing.assert_allclose(near[distance < 19.3], whole[distance < 19.3], atol=1e-12)
+    assert not near[distance > 20].any()
+
+
 def test_a_ring_of_bars_sends_light_where_its_bessel_function_is_largest():
     count, outer = 40, 0.4e-3
     made = aperture.fibres((0.3e-3, outer), count=count)

@@ -90,8 +90,10 @@ def _add(
     pixels: NDArray[np.float32],
 ) -> None:
     """Add the bars' part of the pixels left..right − 1 of a row."""
-    for column in range(left, right):
-        x = column + 0.5 - len(pixels) / 2
+    start = left + 0.5 - len(pixels) / 2
+    row = pixels[left : max(left, right)]
+    for column in range(len(row)):
+        x = start + column
         radius = math.sqrt(x * x + y * y)
         cosine, sine = max(abs(x) / radius, PARALLEL), max(abs(y) / radius, PARALLEL)
         # Across the bars a pixel is a trapezoid with corners at these distances, in periods.
@@ -102,7 +104,7 @@ def _add(
         covered = 0.5 + bend / (cosine * sine * periods * periods)
         if crossed:
             covered *= 1 - _beyond(inner - radius, cosine, sine) - _beyond(radius - outer, cosine, sine)
-        pixels[column] += covered
+        row[column] += covered
 
 
 @numba.njit(cache=True, inline="always", error_model="numpy")
@@ -111,10 +113,9 @@ def _turn(x: float, y: float) -> float:
     wide, high = abs(x), abs(y)
     slope = min(wide, high) / max(wide, high)
     square = slope * slope
-    angle = 0.0
-    for coefficient in ARC_TANGENT[::-1]:
-        angle = angle * square + coefficient
-    angle *= slope
+    a0, a1, a2, a3, a4, a5, a6, a7, a8 = ARC_TANGENT
+    high_terms = (((a8 * square + a7) * square + a6) * square + a5) * square + a4
+    angle = slope * ((((high_terms * square + a3) * square + a2) * square + a1) * square + a0)
     angle = math.pi / 2 - angle if high > wide else angle
     angle = math.pi - angle if x < 0 else angle
     return (-angle if y < 0 else angle) / (2 * math.pi)
