@@ -10,6 +10,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+# Pixels side by side that share their edges along y.
+BLOCK = 8
+
 F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 
@@ -49,16 +52,16 @@ def add_along_rows(
 
 
 @njit(cache=True, nogil=True)
-def _corner(table, y, x):  # type: ignore[no-untyped-def]
-    """Look a place up between corners."""
-    rows, columns = table.shape
-    y = min(max(y, 0.0), rows - 1.0)
-    x = min(max(x, 0.0), columns - 1.0)
-    i, j = min(int(y), rows - 2), min(int(x), columns - 2)
-    s, t = y - i, x - j
-    above = table[i, j] + t * (table[i, j + 1] - table[i, j])
-    below = table[i + 1, j] + t * (table[i + 1, j + 1] - table[i + 1, j])
-    return above + s * (below - above)
+def _strip(table, i0, s0, i1, s1, x):  # type: ignore[no-untyped-def]
+    """Look up the integral left of x between two places along y, each a row and a part of the next."""
+    x = min(max(x, 0.0), table.shape[1] - 1.0)
+    j = min(int(x), table.shape[1] - 2)
+    t = x - j
+    left = table[i1, j] + s1 * (table[i1 + 1, j] - table[i1, j])
+    left -= table[i0, j] + s0 * (table[i0 + 1, j] - table[i0, j])
+    right = table[i1, j + 1] + s1 * (table[i1 + 1, j + 1] - table[i1, j + 1])
+    right -= table[i0, j + 1] + s0 * (table[i0 + 1, j + 1] - table[i0, j + 1])
+    return left + t * (right - left)
 
 
 @njit(cache=True, nogil=True)
@@ -69,33 +72,34 @@ def add_pixels(
     origin_y: float,
     origin_x: float,
     scales: F64,
-    weights: F64,
-    top: F64,
-    bottom: F64,
-    left: F64,
-    right: F64,
+    weights: F32,
+    y: F64,
+    x: F64,
     out: F32,
 ) -> None:
-    """Add to rows of out (R, C, 3) the rectangles' integrals at K wavelengths, weighed by (K, 3).
+    """Add to rows of out (R, C, 3) the pixels' integrals at K wavelengths, weighed by (K, 3).
 
-    Edges (R, C) are direction cosines; times scales (K,) they count cells from the origin, which lies at
-    (origin_y, origin_x) in the table.
+    Pixels lie between edges y (R + 1, C) and x (R, C + 1), direction cosines; times scales (K,) they count
+    cells from the origin, which lies at (origin_y, origin_x) in the table. A few pixels side by side take
+    the edges along y of their middle one.
     """
-    high, wide = table.shape[0] - 1 - origin_y, table.shape[1] - 1 - origin_x
+    columns = out.shape[1]
+    high, wide = table.shape[0] - 1.0, table.shape[1] - 1.0
     for i in range(first, last):
-        for j in range(top.shape[1]):
-            red, green, blue = 0.0, 0.0, 0.0
+        for begin in range(0, columns, BLOCK):
+            end = min(begin + BLOCK, columns)
+            middle = (begin + end) // 2
             for k in range(len(scales)):
                 scale = scales[k]
-                y0, y1 = top[i, j] * scale, bottom[i, j] * scale
-                x0, x1 = left[i, j] * scale, right[i, j] * scale
-                if x0 < wide and y0 < high and y1 > -origin_y and x1 > -origin_x:
-                    y0, y1, x0, x1 = y0 + origin_y, y1 + origin_y, x0 + origin_x, x1 + origin_x
-                    value = _corner(table, y1, x1) - _corner(table, y0, x1)
-                    value -= _corner(table, y1, x0) - _corner(table, y0, x0)
-                    red += value * weights[k, 0]
-                    green += value * weights[k, 1]
-                    blue += value * weights[k, 2]
-            out[i, j, 0] += red
-            out[i, j, 1] += green
-            out[i, j, 2] += blue
+                y0 = min(max(y[i, middle] * scale + origin_y, 0.0), high)
+                y1 = min(max(y[i + 1, middle] * scale + origin_y, 0.0), high)
+                if y1 == y0 or x[i, begin] * scale + origin_x >= wide or x[i, end] * scale + origin_x <= 0.0:
+                    continue
+                i0, i1 = min(int(y0), table.shape[0] - 2), min(int(y1), table.shape[0] - 2)
+                before = _strip(table, i0, y0 - i0, i1, y1 - i1, x[i, begin] * scale + origin_x)
+                for j in range(begin, end):
+                    after = _strip(table, i0, y0 - i0, i1, y1 - i1, x[i, j + 1] * scale + origin_x)
+                    value = np.float32(after - before)
+                    before = after
+                    for channel in range(3):
+                        out[i, j, channel] += value * weights[k, channel]

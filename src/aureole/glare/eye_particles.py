@@ -5,7 +5,7 @@ and is neither absorbed nor coloured, and discs of n per unit of area at random 
 
     4 n (π r²)² (2 J1(v) / v)² / λ²,   v = 2π r sin θ / λ,
 
-per steradian, each its Airy disc. Twenty radii are weighed so that their sum, with the mean of the pupil's
+per steradian, each its Airy disc. Many radii are weighed so that their sum, with the mean of the pupil's
 own Airy pattern, is CIE 135's function for an age and a pigment. Where discs overlap, c being the part of
 the pupil that they cover, 4 c (1 − c) of the light is scattered, for which the densities are corrected.
 """
@@ -21,13 +21,13 @@ from aureole import refuse
 from aureole.glare.veil import cie_135, hemisphere_energy
 
 LAYERS = ("cornea", "lens", "vitreous")
-SMALLEST, LARGEST, SIZES = 1e-6, 100e-6, 20
+SMALLEST, LARGEST, SIZES = 1e-6, 100e-6, 60
 NEAREST, FARTHEST, ANGLES = math.radians(0.1), math.radians(12), 160
 # Wavelengths over which a disc's rings are averaged, and the pupil whose Airy pattern is allowed for.
 SHORTEST, LONGEST, WAVELENGTHS = 450e-9, 650e-9, 41
 REFERENCE_WAVELENGTH, REFERENCE_PUPIL = 575e-9, 5e-3
 # How much the smoothness of the densities over the radii weighs against the fit.
-SMOOTHNESS = 0.1
+SMOOTHNESS = 0.3
 # The cornea gives 25 to 30 % of the scattered light (van den Berg and others 2005); here it has the largest.
 CORNEA, VITREOUS_OF_REST = 0.27, 0.2
 

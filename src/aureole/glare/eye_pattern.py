@@ -22,7 +22,7 @@ from aureole.records import Spectrum
 WAVELENGTHS = 32
 SHORTEST, LONGEST, REFERENCE_WAVELENGTH = 380e-9, 770e-9, 575e-9
 # Wavelengths lie so densely that streaks step by at most so many pixels, but no more than MOST.
-STEP, MOST_WAVELENGTHS = 1.5, 240
+STEP, MOST_WAVELENGTHS = 1.5, 128
 # The raster is so much wider than the pupil; its pixels are between these sizes, in metres, by default.
 MARGIN, FINEST_PIXEL, COARSEST_PIXEL = 1.1, 1.95e-6, 3.9e-6
 BLOCK, SMALLEST_SIZE, LARGEST_SIZE = 64, 256, 4096

@@ -183,17 +183,15 @@ def _add_level(
     down, right = (min(count // 2, pixels) for count in frame.shape)
     y = np.arange(-down, down + 1, dtype=np.float64)[:, None]
     x = np.arange(0 if level.is_half else -right, right + 1, dtype=np.float64)[None, :]
-    top, _ = frame.direction_cosines(y - 0.5, x)
-    bottom, _ = frame.direction_cosines(y + 0.5, x)
-    _, left = frame.direction_cosines(y, x - 0.5)
-    _, end = frame.direction_cosines(y, x + 0.5)
+    edges_y = np.arange(-down, down + 2, dtype=np.float64)[:, None] - 0.5
+    edges_x = np.arange(x[0, 0], right + 2)[None, :] - 0.5
+    along_y, along_x = frame.direction_cosines(edges_y, x)[0], frame.direction_cosines(y, edges_x)[1]
     if level.is_half:
-        left[:, 0] = 0.0
-    part = np.zeros((*top.shape, 3), dtype=np.float32)
-    edges = (np.ascontiguousarray(edge) for edge in (top, bottom, left, end))
-    scales = 1 / (wavelengths * level.spacing)
-    table = level.table, *level.origin
-    in_bands(_kernels_eye.add_pixels, len(y), *table, scales, np.ascontiguousarray(weights), *edges, part)
+        along_x[:, 0] = 0.0
+    part = np.zeros((y.size, x.size, 3), dtype=np.float32)
+    numbers = 1 / (wavelengths * level.spacing), weights.astype(np.float32)
+    arguments = level.table, *level.origin, *numbers, along_y, along_x, part
+    in_bands(_kernels_eye.add_pixels, y.size, *arguments)
     if level.is_half:
         # The other half is this one turned by 180 degrees.
         part[:, 0] += part[::-1, 0]
