@@ -11,6 +11,8 @@ import re
 from aureole import refuse
 
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9}
+LUMINANCES = {"cd/m²": 1.0, "nit": 1.0, "nits": 1.0, "mcd/m²": 1e-3, "kcd/m²": 1e3}
+TIMES = {"": 1.0, "s": 1.0, "ms": 1e-3}
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\s\d.]*)\s*")
 
 
@@ -70,6 +72,64 @@ def angle(text: str, name: str) -> float:
     if unit == "rad":
         return number
     raise refuse.Refusal(f"'{name}' has an unknown unit '{unit}' in {text}; use deg or rad.")
+
+
+def luminance(text: str, name: str) -> float:
+    """Read a luminance that carries its unit.
+
+    Parameters
+    ----------
+    text : str
+        "10cd/m2", "10 cd/m²", "10nit", "2kcd/m2" or "0.5mcd/m2".
+    name : str
+        What the luminance is, for the refusal.
+
+    Returns
+    -------
+    float
+        Candela per square metre, none below zero.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the text is not a number with a unit of luminance, or is below zero.
+    """
+    number, unit = _split(
+        text.replace("m^2", "m²").replace("m2", "m²"), name, "a luminance with its unit, such as 10cd/m2"
+    )
+    if not unit:
+        raise refuse.Refusal(f"'{name}' needs a unit (cd/m2 or nit), got {text}; write 10cd/m2.")
+    if unit not in LUMINANCES:
+        raise refuse.Refusal(f"'{name}' has an unknown unit '{unit}' in {text}; use cd/m2 or nit.")
+    if number < 0:
+        raise refuse.Refusal(f"'{name}' must be a luminance >= 0, got {text}.")
+    return number * LUMINANCES[unit]
+
+
+def seconds(text: str, name: str) -> float:
+    """Read a time in seconds, with or without the unit.
+
+    Parameters
+    ----------
+    text : str
+        "1.5", "1.5s" or "500ms".
+    name : str
+        What the time is, for the refusal.
+
+    Returns
+    -------
+    float
+        Seconds.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the text is not a time.
+    """
+    number, unit = _split(text, name, "a time in seconds, such as 1.5s or 500ms")
+    if unit not in TIMES:
+        raise refuse.Refusal(f"'{name}' has an unknown unit '{unit}' in {text}; use s or ms.")
+    return number * TIMES[unit]
 
 
 def metres_as_text(value: float) -> str:

@@ -103,3 +103,51 @@ def test_lengths_in_reports(metres, text):
 @pytest.mark.parametrize("metres", [3.0, 0.05, 18.75e-6, 550e-9])
 def test_what_is_printed_reads_back(metres):
     assert units.length(units.metres_as_text(metres), "size", "3mm") == pytest.approx(metres, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("10cd/m2", 10.0),
+        ("10 cd/m²", 10.0),
+        ("0.5cd/m^2", 0.5),
+        ("3nit", 3.0),
+        ("3 nits", 3.0),
+        ("2kcd/m2", 2000.0),
+        ("5mcd/m2", 5e-3),
+        ("0cd/m2", 0.0),
+    ],
+)
+def test_luminances(text, value):
+    assert units.luminance(text, "luminance") == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("10", "'luminance' needs a unit (cd/m2 or nit), got 10; write 10cd/m2."),
+        ("10lux", "'luminance' has an unknown unit 'lux' in 10lux; use cd/m2 or nit."),
+        ("-1cd/m2", "'luminance' must be a luminance >= 0, got -1cd/m2."),
+        ("bright", "'luminance' must be a luminance with its unit, such as 10cd/m2, got 'bright'."),
+    ],
+)
+def test_luminances_refused(text, message):
+    with pytest.raises(refuse.Refusal, match=f"^{re.escape(message)}$"):
+        units.luminance(text, "luminance")
+
+
+@pytest.mark.parametrize(("text", "value"), [("1.5", 1.5), ("1.5s", 1.5), ("500 ms", 0.5), ("-2s", -2.0)])
+def test_times(text, value):
+    assert units.seconds(text, "time") == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("5min", "'time' has an unknown unit 'min' in 5min; use s or ms."),
+        ("soon", "'time' must be a time in seconds, such as 1.5s or 500ms, got 'soon'."),
+    ],
+)
+def test_times_refused(text, message):
+    with pytest.raises(refuse.Refusal, match=f"^{re.escape(message)}$"):
+        units.seconds(text, "time")

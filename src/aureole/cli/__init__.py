@@ -5,12 +5,16 @@ app       the Typer application with its commands
 runs      running a job and writing its files
 nearfield the command `aureole nearfield`
 near_runs running near-field jobs and writing their files
+glare     the command `aureole glare`, for cameras and eyes
+eye       the command `aureole eye`
+eye_runs  running the eye's jobs and writing their files
 flare     the command `aureole flare`
 lens      the commands `aureole lens`
 bench     the commands `aureole bench`
 options   flags that several commands share
 pupil_options  flags of vanes, dirt and wavefronts
 flare_options  flags of a lens's lights and ghosts
+eye_options    flags of eyes, of what they look at, and of animations
 near_options   flags of planes behind an opening, of many distances, and of ringing textures
 frames    numbered files: names with ####, lists of frames
 output    progress, reports, and files that appear whole

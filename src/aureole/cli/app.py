@@ -6,9 +6,9 @@ from typing import Annotated
 import typer
 
 from aureole import jobs, light, presets, refuse, units
-from aureole.cli import bench, flare, lens, nearfield, options, output, runs
+from aureole.cli import bench, eye, flare, glare, lens, nearfield, options, output, runs
 from aureole.cli.options import FILES, ShapeFlags
-from aureole.cli.pupil_options import PupilFlags, numbers, with_flags
+from aureole.cli.pupil_options import PupilFlags, with_flags
 
 app = typer.Typer(
     help="Add the light that a camera adds to a picture, from physics.\n\n"
@@ -33,66 +33,7 @@ def _version(
         raise typer.Exit
 
 
-@app.command()
-@with_flags("pupil", PupilFlags)
-def glare(
-    source: options.Source,
-    out: options.Out,
-    pupil: PupilFlags,
-    focal_length: options.FocalLength = None,
-    f_number: options.FNumber = None,
-    preset: options.Preset = None,
-    sensor: options.Sensor = None,
-    pitch: options.PixelPitch = None,
-    iris: options.Iris = None,
-    aperture: options.Shape = None,
-    blades: options.Blades = None,
-    curvature: options.Curvature = None,
-    rotation: options.Rotation = None,
-    obstruction: options.Obstruction = None,
-    width: options.Width = None,
-    height: options.Height = None,
-    aperture_picture: options.ApertureFile = None,
-    illuminant: options.Illuminant = "D65",
-    mode: options.Mode = "replace",
-    threshold: options.Threshold = 1.0,
-    knee: options.Knee = 0.5,
-    gain: options.Gain = 1.0,
-    tint: options.Tint = "1,1,1",
-    matte: options.Matte = None,
-    kernel_size: options.KernelSide = None,
-    precision: options.Precision = "double",
-    psf: options.Psf = None,
-    preview: options.Preview = None,
-    pixel_type: options.PixelType = "auto",
-    nan: options.Nan = "refuse",
-    color_config: options.ColorConfig = None,
-    color_space: options.ColorSpace = None,
-    memory: options.Memory = None,
-    as_json: options.Json = False,
-) -> None:
-    """Lay the glare of a camera over a linear HDR picture.
-
-    The picture spans the sensor's width. Energy is kept: what glare spreads is taken from the lamps.
-
-    Examples:
-
-        aureole glare night.exr -o out.exr --focal-length 50mm --f-number 16 --blades 7
-
-        aureole glare night.exr -o out.exr --preset super35-35mm-f8 --mode scatter --preview look.png
-
-        aureole glare night.exr -o out.exr --mode add --threshold 2 --gain 3 --tint 1,0.9,0.8
-
-        aureole glare night.exr -o out.exr --dust 10% --dust-scale 0.3mm --scratches 20 --seed 7
-    """
-    shape = ShapeFlags(
-        aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture, pupil
-    )
-    camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
-    files = runs.GlareFiles(source, out, psf, preview, matte, pixel_type, nan, color_config, color_space)
-    look = runs.Look(illuminant, mode, threshold, knee, gain, numbers(tint, "tint", 3), precision)
-    limits = (kernel_size, options.pixel_pitch(pitch), options.memory(memory))
-    runs.glare(camera, files, look, *limits, as_json)
+app.command()(glare.glare)
 
 
 @app.command()
@@ -166,6 +107,7 @@ def starburst(
 
 app.command()(nearfield.nearfield)
 app.command()(flare.flare)
+app.command()(eye.eye)
 
 
 @app.command()

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from aureole import refuse
+from aureole import picture, refuse
 
 _MARK = re.compile(r"#+")
 _RANGE = re.compile(r"(\d+)(?:-(\d+)(?:x(\d+))?)?")
@@ -50,6 +50,43 @@ def frame(pattern: Path, number: int) -> Path:
     if len(_MARK.findall(pattern.name)) != 1:
         raise refuse.Refusal(f"'{pattern}' must have one run of # for the frame's number, as ring.####.exr.")
     return pattern.with_name(_MARK.sub(lambda mark: f"{number:0{len(mark[0])}d}", pattern.name))
+
+
+def is_there(path: Path, words: str, overwrite: bool, what: str = "frame") -> bool:
+    """Return whether a frame lies there whole; refuse one of another job unless it may be replaced.
+
+    Parameters
+    ----------
+    path : Path
+        The frame's file.
+    words : str
+        What the file says of itself where it is this job's.
+    overwrite : bool
+        Whether it may be replaced, whatever it is.
+    what : str
+        What a frame is, for the refusal.
+
+    Returns
+    -------
+    bool
+        Whether it need not be made again.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where another file lies there, or the place cannot be written.
+    """
+    picture.writable(path)
+    if overwrite or not path.exists():
+        return False
+    try:
+        header = picture.header_of(picture.read(path))
+        found = header and header.attributes.get("ImageDescription")
+    except refuse.Refusal:
+        found = None
+    if not found or found.value != words:
+        raise refuse.Refusal(f"'{path}' is there and is no {what} of this job; --overwrite replaces it.")
+    return True
 
 
 def numbers(text: str, name: str = "frames") -> tuple[int, ...]:

@@ -111,7 +111,10 @@ def sweep(plane: jobs.NearFieldJob, many: SweepFlags, files: NearFiles, as_json:
     if count is not None and (pattern is not None or strip is not None):
 
         def is_done(number: int, description: str) -> bool:
-            return pattern is not None and _is_there(pattern, number, description, many.overwrite, files)
+            if pattern is None:
+                return False
+            path = frames.frame(pattern, number)
+            return frames.is_there(path, _words(path, description, files), many.overwrite, "plane")
 
         job = jobs.NearSweepJob(plane, distances, count, numbers, strip is not None, many.zoom, is_done)
         result = _planes(job, pattern, files)
@@ -179,22 +182,6 @@ def _planes(job: jobs.NearSweepJob, pattern: Path | None, files: NearFiles) -> j
         for told in result.report["frames"]:
             told["file"] = str(frames.frame(pattern, told["number"]))
     return result
-
-
-def _is_there(pattern: Path, number: int, description: str, overwrite: bool, files: NearFiles) -> bool:
-    """Return whether a frame lies there whole; refuse one of another job unless it may be replaced."""
-    path = frames.frame(pattern, number)
-    picture.writable(path)
-    if overwrite or not path.exists():
-        return False
-    try:
-        header = picture.header_of(picture.read(path))
-        found = header and header.attributes.get("ImageDescription")
-    except refuse.Refusal:
-        found = None
-    if not found or found.value != _words(path, description, files):
-        raise refuse.Refusal(f"'{path}' is there and is no plane of this job; --overwrite replaces it.")
-    return True
 
 
 def _words(path: Path, description: str, files: NearFiles) -> str:

@@ -7,6 +7,7 @@ from typing import Literal
 
 from aureole import jobs, picture
 from aureole.cli import output, views
+from aureole.records import Picture
 
 
 @dataclass(frozen=True)
@@ -95,14 +96,7 @@ def glare(
     """
     start = time.perf_counter()
     written = output.places(files.out, files.psf, files.preview)
-    given = picture.read(
-        files.source,
-        nan=files.nan,
-        memory=memory,
-        color_config=files.color_config,
-        color_space=files.color_space,
-    )
-    output.say_notes(picture.notes(given))
+    given = read(files, memory)
     matte = None if files.matte is None else views.matte(files.matte, given)
     job = jobs.GlareJob(
         given,
@@ -114,13 +108,54 @@ def glare(
         **vars(look),
     )
     result = output.follow(jobs.run(job))
-    pixel_type = output.pixel_type_for(files.out, files.pixel_type)
-    output.write(files.out, result.picture, pixel_type, files.color_config, files.color_space)
+    write_picture(files, files.out, result.picture)
     if files.psf is not None:
         output.write(files.psf, result.psf, "float")
     if files.preview is not None:
         output.write_display(files.preview, views.before_and_after(given, result.picture))
     output.report("glare", result.report, written, as_json, time.perf_counter() - start)
+
+
+def read(files: GlareFiles, memory: int | None) -> Picture:
+    """Read the picture in, and say what is worth knowing about it.
+
+    Parameters
+    ----------
+    files : GlareFiles
+        Where it is, and how to read it.
+    memory : int, optional
+        Bytes that may be used.
+
+    Returns
+    -------
+    Picture
+        Linear.
+    """
+    given = picture.read(
+        files.source,
+        nan=files.nan,
+        memory=memory,
+        color_config=files.color_config,
+        color_space=files.color_space,
+    )
+    output.say_notes(picture.notes(given))
+    return given
+
+
+def write_picture(files: GlareFiles, path: Path, source: Picture) -> None:
+    """Write a picture as the files out are asked for.
+
+    Parameters
+    ----------
+    files : GlareFiles
+        How to write.
+    path : Path
+        File to write.
+    source : Picture
+        Linear.
+    """
+    pixel_type = output.pixel_type_for(path, files.pixel_type)
+    output.write(path, source, pixel_type, files.color_config, files.color_space)
 
 
 def starburst(

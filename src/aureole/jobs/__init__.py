@@ -12,18 +12,28 @@ near_texture    a ringing texture for the ghosts of a lens
 flare           the ghosts of a lens and the starbursts, for given lights, on black or over a picture
 flare_lights    its lights as people give them, measured or found in the picture
 flare_starburst its starbursts, where each light stands
+eye             what a point of light looks like to an eye, at a time or through time
+eye_glare       a picture as an eye sees it, at a time or through time
+eye_frames      frames of an animation: which there are, which are done
+eye_preview     a point spread function of an eye drawn with degrees
+viewer          an eye as people describe it, and the light that it is adapted to
 measures        a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
 lens            a lens as numbers, and what looks wrong in it
 lens_ghosts     a lens's ghosts by their energy
 lens_drawing    a lens drawn, with rays and ghosts
 page            one page about a point spread function
 drawing         an aperture's quads drawn
+contact_sheet   small pictures of many on one sheet
 demo            the main job on the bundled scene
 run             run(job): the one door to all of them
 """
 
 from aureole.jobs.aperture import ApertureJob, ApertureResult
 from aureole.jobs.demo import DemoJob, DemoResult
+from aureole.jobs.eye import QUICK_GRID, EyeAnimationJob, EyeJob, EyeResult
+from aureole.jobs.eye_frames import EyeAnimationResult, EyeFrame, Frames
+from aureole.jobs.eye_glare import EyeGlareAnimationJob, EyeGlareJob, EyeGlareResult
+from aureole.jobs.eye_preview import write_eye_preview
 from aureole.jobs.flare import FlareJob, FlareResult
 from aureole.jobs.flare_lights import Lamp
 from aureole.jobs.glare import GlareJob, GlareResult
@@ -45,14 +55,25 @@ from aureole.jobs.optics import Opening, Optics
 from aureole.jobs.page import check_page, write_page
 from aureole.jobs.run import finish, run
 from aureole.jobs.starburst import StarburstJob, StarburstResult
+from aureole.jobs.viewer import Viewer
 
 __all__ = [
+    "QUICK_GRID",
     "ApertureJob",
     "ApertureResult",
     "DemoJob",
     "DemoResult",
+    "EyeAnimationJob",
+    "EyeAnimationResult",
+    "EyeFrame",
+    "EyeGlareAnimationJob",
+    "EyeGlareJob",
+    "EyeGlareResult",
+    "EyeJob",
+    "EyeResult",
     "FlareJob",
     "FlareResult",
+    "Frames",
     "GlareJob",
     "GlareResult",
     "Lamp",
@@ -71,6 +92,7 @@ __all__ = [
     "StarburstJob",
     "StarburstResult",
     "Sweep",
+    "Viewer",
     "check_drawing",
     "check_page",
     "finish",
@@ -80,5 +102,6 @@ __all__ = [
     "pupil_measures",
     "run",
     "write_drawing",
+    "write_eye_preview",
     "write_page",
 ]

@@ -105,7 +105,7 @@ def run_glare(job: GlareJob) -> Iterator[Stage]:
     """
     refuse.one_of("mode", job.mode, glare.MODES)
     refuse.one_of("precision", job.precision, ("single", "double"))
-    source, space = _in_working_space(job.picture)
+    source, space = in_working_space(job.picture)
     lamp = light.illuminant(job.illuminant)
     camera = picture_camera(job)
     size = _kernel_size(job, camera)
@@ -127,8 +127,8 @@ def run_glare(job: GlareJob) -> Iterator[Stage]:
     report = psf_report(camera, psf, lamp.name)
     report["mode"] = job.mode
     report["energy_returned_to_core"] = ready.returned
-    report["sum_before"] = _sums(job.picture)
-    report["sum_after"] = _sums(out)
+    report["sum_before"] = picture_sums(job.picture)
+    report["sum_after"] = picture_sums(out)
     out = Picture(out.pixels, job.picture.colour_space, job.picture.metadata)
     yield Stage(1.0, "glare", GlareResult(out, psf, camera, report))
 
@@ -174,11 +174,36 @@ def _refuse_memory(job: GlareJob, size: int) -> None:
         )
 
 
-def _in_working_space(source: Picture) -> tuple[Picture, str]:
-    """Take primaries that have no name of ours as the working space's own."""
+def in_working_space(source: Picture) -> tuple[Picture, str]:
+    """Take primaries that have no name of ours as the working space's own.
+
+    Parameters
+    ----------
+    source : Picture
+        Any.
+
+    Returns
+    -------
+    picture : Picture
+        The same pixels.
+    space : str
+        Its colour space, one of `aureole.light.SPACES`.
+    """
     space = source.colour_space if source.colour_space in light.SPACES else "rec709"
     return Picture(source.pixels, space, source.metadata), space
 
 
-def _sums(source: Picture) -> list[float]:
+def picture_sums(source: Picture) -> list[float]:
+    """Return the sum of each colour channel.
+
+    Parameters
+    ----------
+    source : Picture
+        Any.
+
+    Returns
+    -------
+    list of float
+        Three sums, taken in double precision.
+    """
     return [float(value) for value in source.pixels[..., :3].sum(axis=(0, 1), dtype=np.float64)]

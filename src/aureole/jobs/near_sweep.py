@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from aureole import refuse, units
+from aureole.jobs.contact_sheet import sheet, tile
 from aureole.jobs.near_field import (
     NearFieldJob,
     NearFieldResult,
@@ -22,8 +22,6 @@ from aureole.jobs.near_field import (
 from aureole.records import Grid, Picture, Stage
 
 SPACINGS = ("log", "distance", "fresnel-number")
-# A strip's tiles: longest side, pixels between two, and how many stand in a row.
-TILE, GAP, TILES_ABREAST = 160, 4, 8
 
 
 @dataclass(frozen=True)
@@ -199,11 +197,11 @@ def run_near_sweep(job: NearSweepJob) -> Iterator[Stage]:
                 yield Stage((index + stage.fraction) / len(made), f"plane {number} of {job.count}")
         assert isinstance(plane, NearFieldResult)
         if job.strip:
-            tiles.append(_tile(plane.picture.pixels))
+            tiles.append(tile(plane.picture.pixels))
         reports[number] |= _frame_report(plane.report)
         fraction = 0.999 * (index + 1) / len(made)
         yield Stage(fraction, f"plane {number} of {job.count}", NearFrame(number, plane, number in done))
-    strip = Picture(_strip(tiles), job.plane.colour_space) if job.strip else None
+    strip = Picture(sheet(tiles), job.plane.colour_space) if job.strip else None
     report = _report(ready, job.sweep) | {"planes": len(made), "kept": len(numbers) - len(made)}
     report["frames"] = [reports[n] for n in numbers]
     yield Stage(1.0, "sweep", NearSweepResult(report, _words(setup, job.sweep), strip))
@@ -295,27 +293,3 @@ def _frame_report(plane: dict[str, Any]) -> dict[str, Any]:
         "finest_fringe_pixels",
     )
     return {name: plane[name] for name in own if name in plane}
-
-
-def _tile(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return a picture whose longer side is at most a tile's, each pixel the mean of those it stands for."""
-    counts = [min(side, max(1, round(side * TILE / max(pixels.shape[:2])))) for side in pixels.shape[:2]]
-    small: NDArray[Any] = pixels.astype(np.float64)
-    for axis, count in enumerate(counts):
-        side = pixels.shape[axis]
-        starts = np.arange(count) * side // count
-        parts = np.diff(np.append(starts, side)).reshape((-1, 1, 1) if axis == 0 else (1, -1, 1))
-        small = np.add.reduceat(small, starts, axis=axis) / parts
-    return small.astype(np.float32)
-
-
-def _strip(tiles: list[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """Lay tiles of one size side by side, row under row, black between them."""
-    rows, columns = tiles[0].shape[:2]
-    abreast = min(len(tiles), TILES_ABREAST)
-    deep = math.ceil(len(tiles) / abreast)
-    sheet = np.zeros((deep * (rows + GAP) - GAP, abreast * (columns + GAP) - GAP, 3), dtype=np.float32)
-    for index, tile in enumerate(tiles):
-        top, left = (index // abreast) * (rows + GAP), (index % abreast) * (columns + GAP)
-        sheet[top : top + rows, left : left + columns] = tile
-    return sheet

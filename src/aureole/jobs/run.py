@@ -4,7 +4,18 @@ from collections.abc import Iterable, Iterator
 from functools import singledispatch
 from typing import Any
 
-from aureole.jobs import aperture, demo, flare, glare, near_field, near_sweep, near_texture, starburst
+from aureole.jobs import (
+    aperture,
+    demo,
+    eye,
+    eye_glare,
+    flare,
+    glare,
+    near_field,
+    near_sweep,
+    near_texture,
+    starburst,
+)
 from aureole.records import Stage
 
 
@@ -14,7 +25,7 @@ def run(job: Any) -> Iterator[Stage]:
 
     Parameters
     ----------
-    job : GlareJob, StarburstJob, ApertureJob, FlareJob, a near-field job or DemoJob
+    job : GlareJob, StarburstJob, ApertureJob, FlareJob, a near-field job, an eye's job or DemoJob
         What to do.
 
     Returns
@@ -33,6 +44,10 @@ run.register(near_field.NearFieldJob, near_field.run_near_field)
 run.register(near_sweep.NearSweepJob, near_sweep.run_near_sweep)
 run.register(near_sweep.NearSectionJob, near_sweep.run_near_section)
 run.register(near_texture.NearTextureJob, near_texture.run_near_texture)
+run.register(eye.EyeJob, eye.run_eye)
+run.register(eye.EyeAnimationJob, eye.run_eye_animation)
+run.register(eye_glare.EyeGlareJob, eye_glare.run_eye_glare)
+run.register(eye_glare.EyeGlareAnimationJob, eye_glare.run_eye_glare_animation)
 run.register(demo.DemoJob, demo.run_demo)
 
 

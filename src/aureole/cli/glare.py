@@ -1,0 +1,115 @@
+"""The command `aureole glare`: a picture as a camera or an eye sees it."""
+
+from typing import Any
+
+from aureole import jobs, refuse
+from aureole.cli import eye_runs, options, runs
+from aureole.cli.eye_options import AnimationFlags, EyeFlags, OverFlags, given
+from aureole.cli.options import ShapeFlags
+from aureole.cli.pupil_options import PupilFlags, numbers, with_flags
+
+# Flags of a pupil that an eye has, too.
+SHARED = ("seed", "defocus", "zernike")
+
+
+@with_flags("pupil", PupilFlags)
+@with_flags("moving", AnimationFlags)
+@with_flags("viewer", EyeFlags)
+@with_flags("over", OverFlags)
+def glare(
+    source: options.Source,
+    out: options.Out,
+    pupil: PupilFlags,
+    over: OverFlags,
+    viewer: EyeFlags,
+    moving: AnimationFlags,
+    focal_length: options.FocalLength = None,
+    f_number: options.FNumber = None,
+    preset: options.Preset = None,
+    sensor: options.Sensor = None,
+    pitch: options.PixelPitch = None,
+    iris: options.Iris = None,
+    aperture: options.Shape = None,
+    blades: options.Blades = None,
+    curvature: options.Curvature = None,
+    rotation: options.Rotation = None,
+    obstruction: options.Obstruction = None,
+    width: options.Width = None,
+    height: options.Height = None,
+    aperture_picture: options.ApertureFile = None,
+    illuminant: options.Illuminant = "D65",
+    mode: options.Mode = "replace",
+    threshold: options.Threshold = 1.0,
+    knee: options.Knee = 0.5,
+    gain: options.Gain = 1.0,
+    tint: options.Tint = "1,1,1",
+    matte: options.Matte = None,
+    kernel_size: options.KernelSide = None,
+    precision: options.Precision = "double",
+    psf: options.Psf = None,
+    preview: options.Preview = None,
+    pixel_type: options.PixelType = "auto",
+    nan: options.Nan = "refuse",
+    color_config: options.ColorConfig = None,
+    color_space: options.ColorSpace = None,
+    memory: options.Memory = None,
+    as_json: options.Json = False,
+) -> None:
+    """Lay the glare of a camera, or of an eye, over a linear HDR picture.
+
+    A camera's picture spans its sensor's width, an eye's its field of view. Energy is kept: what glare
+    spreads is taken from the lamps. With --eye and --animate the picture is seen through time: the pupil
+    trembles, the lids blink, the needles shimmer.
+
+    Examples:
+
+        aureole glare night.exr -o out.exr --focal-length 50mm --f-number 16 --blades 7
+
+        aureole glare night.exr -o out.exr --preset super35-35mm-f8 --mode scatter --preview look.png
+
+        aureole glare night.exr -o out.exr --mode add --threshold 2 --gain 3 --tint 1,0.9,0.8
+
+        aureole glare night.exr -o out.exr --dust 10% --dust-scale 0.3mm --scratches 20 --seed 7
+
+        aureole glare night.exr -o seen.exr --eye --age 70 --luminance 10cd/m2 --field-of-view 60deg
+
+        aureole glare night.exr -o seen.####.exr --eye --animate 2s --fps 12 --quick --photosafe
+    """
+    shape = ShapeFlags(
+        aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture, pupil
+    )
+    files = runs.GlareFiles(source, out, psf, preview, matte, pixel_type, nan, color_config, color_space)
+    look = runs.Look(illuminant, mode, threshold, knee, gain, numbers(tint, "tint", 3), precision)
+    lens = {"focal-length": focal_length, "f-number": f_number, "sensor": sensor, "iris": iris}
+    if over.eye:
+        _refuse_camera({**lens, "pixel-pitch": pitch}, shape)
+        eye = _eye(viewer, moving, pupil, preset, illuminant)
+        asked = eye_runs.Over(eye, files, look, over, kernel_size, options.memory(memory))
+        eye_runs.over(asked, moving, as_json)
+        return
+    for name in (*given(over), *given(viewer), *given(moving)):
+        raise refuse.Refusal(f"'{name}' is for an eye's glare; it needs --eye.")
+    camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
+    limits = (kernel_size, options.pixel_pitch(pitch), options.memory(memory))
+    runs.glare(camera, files, look, *limits, as_json)
+
+
+def _refuse_camera(lens: dict[str, Any], shape: ShapeFlags) -> None:
+    """Refuse flags of a camera, none of which an eye has."""
+    opening = {name.replace("_", "-"): value for name, value in vars(shape).items() if name != "pupil"}
+    typed = {**lens, **opening}
+    names = [name for name, value in typed.items() if value is not None]
+    names += [name for name in given(shape.pupil) if name not in SHARED]
+    for name in names:
+        flag = "aperture-picture" if name == "picture" else name
+        raise refuse.Refusal(f"'{flag}' is of cameras; it does not go with --eye.")
+
+
+def _eye(
+    viewer: EyeFlags, moving: AnimationFlags, pupil: PupilFlags, preset: str | None, illuminant: str
+) -> jobs.EyeJob:
+    """Return the eye that the flags describe, some of which are a camera's otherwise."""
+    how = viewer.how()
+    track = moving.track(viewer, how["time"])
+    person = viewer.viewer(preset, pupil.seed, pupil.defocus, pupil.zernike, track)
+    return jobs.EyeJob(person, illuminant=illuminant, **how)

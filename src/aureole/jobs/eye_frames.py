@@ -1,0 +1,195 @@
+"""Frames of an animation: which there are, which are done, and each as it is made."""
+
+import hashlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import refuse
+from aureole.jobs.contact_sheet import sheet, tile
+from aureole.records import Picture, Stage
+
+# More frames than this are a slip of the finger.
+MOST = 100_000
+
+
+@dataclass(frozen=True)
+class Frames:
+    """Which frames to make.
+
+    Parameters
+    ----------
+    duration : float
+        Seconds.
+    rate : float
+        Frames a second.
+    numbers : tuple of int, optional
+        Those that are wanted, from 1; all where it is left out.
+    contact_sheet : bool
+        Whether to make a sheet of small pictures of them, too.
+    is_done : callable, optional
+        Asked with a frame's number and description, before any work, whether it need not be made.
+    recall : callable, optional
+        Gives the picture of a frame that is done, by its number, where it is needed; without it such
+        frames are made again.
+    """
+
+    duration: float
+    rate: float = 24.0
+    numbers: tuple[int, ...] | None = None
+    contact_sheet: bool = False
+    is_done: Callable[[int, str], bool] | None = None
+    recall: Callable[[int], Picture] | None = None
+
+    def count(self) -> int:
+        """Return how many frames the whole animation has."""
+        count = round(refuse.positive("animate", self.duration) * refuse.positive("fps", self.rate))
+        if count > MOST:
+            raise refuse.Refusal(f"'animate' must be at most {MOST} frames, got {count}.")
+        return max(1, count)
+
+    def times(self, first: float) -> list[float]:
+        """Return the time in seconds of each, the first one's being given."""
+        return [first + k / self.rate for k in range(self.count())]
+
+    def wanted(self) -> list[int]:
+        """Return the numbers of those to make."""
+        count = self.count()
+        numbers = range(1, count + 1) if self.numbers is None else self.numbers
+        for number in numbers:
+            if not 1 <= number <= count:
+                raise refuse.Refusal(f"'frames' must lie from 1 to {count}, got {number}.")
+        return sorted(set(numbers))
+
+
+@dataclass(frozen=True, eq=False)
+class EyeFrame:
+    """One frame of an animation.
+
+    Parameters
+    ----------
+    number : int
+        From 1.
+    picture : Picture
+        Energy per pixel, or the picture as the eye sees it.
+    description : str
+        What it is in words, the same for the same job alone.
+    report : dict
+        Plain numbers.
+    done : bool
+        Whether it was said to be done before.
+    """
+
+    number: int
+    picture: Picture
+    description: str
+    report: dict[str, Any]
+    done: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class FramesResult:
+    """What is left of frames when they have been taken away.
+
+    Parameters
+    ----------
+    reports : list of dict
+        The wanted frames' own.
+    contact_sheet : Picture, optional
+        Small pictures of them in their order, by rows.
+    """
+
+    reports: list[dict[str, Any]]
+    contact_sheet: Picture | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class EyeAnimationResult:
+    """An animation when its frames have been taken away.
+
+    Parameters
+    ----------
+    report : dict
+        Plain numbers; "frames" holds a dict for each frame.
+    contact_sheet : Picture, optional
+        Small pictures of all frames in their order, by rows.
+    """
+
+    report: dict[str, Any]
+    contact_sheet: Picture | None = None
+
+
+def frame_stages(
+    frames: Frames,
+    reports: list[dict[str, Any]],
+    description: str,
+    make: Callable[[int], Iterator[Stage]],
+    follow: Callable[[Picture], Picture] | None = None,
+) -> Iterator[Stage]:
+    """Make the wanted frames one after the other.
+
+    Parameters
+    ----------
+    frames : Frames
+        Which.
+    reports : list of dict
+        What is known of all frames before they are made; "time_s" among it.
+    description : str
+        Of the job; the frames' own add their time.
+    make : callable
+        Makes a frame by its number; the last of its stages holds a `Picture` and its plain numbers.
+    follow : callable, optional
+        Takes each frame in its order, and gives what is to become of it; a frame that is done is given
+        to it, too, and stays as it is.
+
+    Yields
+    ------
+    Stage
+        Each frame as an `EyeFrame` when it is ready; the last stage holds a `FramesResult`.
+    """
+    numbers = frames.wanted()
+    words = {n: f"{description}, at {reports[n - 1]['time_s']:.6g} s" for n in numbers}
+    done = {n for n in numbers if frames.is_done is not None and frames.is_done(n, words[n])}
+    told = {n: reports[n - 1] | {"number": n, "kept": n in done} for n in numbers}
+    tiles: list[NDArray[np.float32]] = []
+    for index, number in enumerate(numbers):
+        fraction, label = index / len(numbers), f"frame {number} of {frames.count()}"
+        yield Stage(fraction, label)
+        seen: Picture | None = None
+        if number not in done or (frames.recall is None and (frames.contact_sheet or follow is not None)):
+            for stage in make(number):
+                result = stage.result
+                yield Stage(fraction + stage.fraction / len(numbers), label)
+            seen, found = result
+            seen = seen if follow is None else follow(seen)
+            told[number] |= found
+            made = EyeFrame(number, seen, words[number], told[number], number in done)
+            yield Stage((index + 1) / len(numbers), label, made)
+        elif frames.recall is not None and (frames.contact_sheet or follow is not None):
+            seen = frames.recall(number)
+            if follow is not None:
+                follow(seen)
+        if frames.contact_sheet and seen is not None:
+            tiles.append(tile(seen.pixels[..., :3]))
+            space = seen.colour_space
+    whole = Picture(sheet(tiles), space) if tiles else None
+    yield Stage(1.0, "frames", FramesResult(list(told.values()), whole))
+
+
+def digest(*parts: Any) -> str:
+    """Return a short word that differs for jobs that differ.
+
+    Parameters
+    ----------
+    *parts : object
+        Records of plain values.
+
+    Returns
+    -------
+    str
+        Ten signs.
+    """
+    return hashlib.sha256(repr(parts).encode()).hexdigest()[:10]
