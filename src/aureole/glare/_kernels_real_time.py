@@ -1,10 +1,8 @@
 """What real-time glare does pixel by pixel before and after the convolution.
 
-Pixels are (row, column, 3). The share of a pixel's light that is taken is given at nodes that crowd towards
-the frame's borders, (node row, node column, 3), and is joined by straight lines: pixel j lies at `after[j]`
-of the way from node `node[j]` to the next.
-
-Every kernel works on some rows and lets the interpreter go, so the caller's threads share rows out.
+Pictures come as rows of numbers, (rows, 3 columns): the three channels of a pixel stand side by side. Every
+kernel works on the rows from `first` to `last` and lets the interpreter go, so the caller's threads share
+rows out.
 """
 
 import numpy as np
@@ -15,105 +13,110 @@ from numba import njit
 def weigh(pixels, weights, first, last, out):  # type: ignore[no-untyped-def]
     """Weigh each pixel's light by its solid angle."""
     for i in range(first, last):
-        for j in range(pixels.shape[1]):
-            w = weights[i, j]
-            for c in range(3):
-                out[i, j, c] = w * pixels[i, j, c]
+        p, w, o = pixels[i], weights[i], out[i]
+        for j in range(len(w)):
+            o[3 * j], o[3 * j + 1], o[3 * j + 2] = w[j] * p[3 * j], w[j] * p[3 * j + 1], w[j] * p[3 * j + 2]
 
 
-@njit(fastmath=True, cache=True, nogil=True)
+@njit(fastmath=True, cache=True, nogil=True, error_model="numpy")
 def weigh_above(pixels, weights, luminance, low, high, first, last, out):  # type: ignore[no-untyped-def]
     """Weigh the part of each pixel's light whose luminance lies above a soft knee; its hue stays."""
-    width, middle = high - low, (low + high) / 2
+    middle, bend = (low + high) / 2, np.float32(0.5) / max(high - low, np.float32(1e-30))
+    red, green, blue = luminance
     for i in range(first, last):
-        for j in range(pixels.shape[1]):
-            p = pixels[i, j]
-            strength = luminance[0] * p[0] + luminance[1] * p[1] + luminance[2] * p[2]
-            above = np.float32(0)
-            if strength >= high:
-                above = strength - middle
-            elif strength > low:
-                above = (strength - low) ** 2 / (2 * width)
-            share = weights[i, j] * above / strength if above > 0 else np.float32(0)
-            for c in range(3):
-                out[i, j, c] = share * p[c]
+        p, w, o = pixels[i], weights[i], out[i]
+        for j in range(len(w)):
+            r, g, b = p[3 * j], p[3 * j + 1], p[3 * j + 2]
+            strength = red * r + green * g + blue * b
+            over = max(strength - low, np.float32(0))
+            above = strength - middle if strength >= high else over * over * bend
+            share = w[j] * above / strength if over > 0 else np.float32(0)
+            o[3 * j], o[3 * j + 1], o[3 * j + 2] = share * r, share * g, share * b
 
 
 @njit(fastmath=True, cache=True, nogil=True)
 def boxes(pixels, first, last, out):  # type: ignore[no-untyped-def]
     """Average boxes of 2 x 2 pixels; what lies beyond the border is black."""
-    rows, columns = pixels.shape[:2]
+    rows, wide = pixels.shape
+    quarter = np.float32(0.25)
     for i in range(first, last):
-        a = pixels[2 * i]
-        b = pixels[min(2 * i + 1, rows - 1)]
-        second = np.float32(0.25) if 2 * i + 1 < rows else np.float32(0)
-        for j in range(columns // 2):
+        a, b, o = pixels[2 * i], pixels[min(2 * i + 1, rows - 1)], out[i]
+        second = quarter if 2 * i + 1 < rows else np.float32(0)
+        for j in range(wide // 6):
             for c in range(3):
-                out[i, j, c] = np.float32(0.25) * (a[2 * j, c] + a[2 * j + 1, c]) + second * (
-                    b[2 * j, c] + b[2 * j + 1, c]
-                )
-        if columns % 2:
+                at = 6 * j + c
+                o[3 * j + c] = quarter * (a[at] + a[at + 3]) + second * (b[at] + b[at + 3])
+        if wide % 6:
             for c in range(3):
-                out[i, columns // 2, c] = np.float32(0.25) * a[columns - 1, c] + second * b[columns - 1, c]
+                o[len(o) - 3 + c] = quarter * a[wide - 3 + c] + second * b[wide - 3 + c]
+
+
+@njit(cache=True, nogil=True)
+def spread_nodes(nodes, along, after, out):  # type: ignore[no-untyped-def]
+    """Join values at nodes, (node rows, node columns, 3), by straight lines along the rows."""
+    for i in range(len(nodes)):
+        for j in range(len(along)):
+            for c in range(3):
+                a, b = nodes[i, along[j], c], nodes[i, along[j] + 1, c]
+                out[i, 3 * j + c] = a + after[j] * (b - a)
 
 
 @njit(fastmath=True, cache=True, nogil=True)
-def _node_row(nodes, node, after, i, row):  # type: ignore[no-untyped-def]
-    a, b, t = nodes[node[i]], nodes[node[i] + 1], after[i]
-    for k in range(nodes.shape[1]):
+def _raise_row(glare, i, low, row):  # type: ignore[no-untyped-def]
+    """Bring one row up from boxes of 2 x 2 pixels: 3/4 of the nearest box and 1/4 of the next, each way."""
+    near, far = np.float32(0.75), np.float32(0.25)
+    last = len(low) - 3
+    a, b = glare[i // 2], glare[min(max(i // 2 + 2 * (i % 2) - 1, 0), len(glare) - 1)]
+    for k in range(len(low)):
+        low[k] = near * a[k] + far * b[k]
+    for k in range(0, len(low), 3):
+        before, behind = max(k - 3, 0), min(k + 3, last)
         for c in range(3):
-            row[k, c] = a[k, c] + t * (b[k, c] - a[k, c])
+            row[2 * k + c] = near * low[k + c] + far * low[before + c]
+            row[2 * k + 3 + c] = near * low[k + c] + far * low[behind + c]
 
 
 @njit(fastmath=True, cache=True, nogil=True)
-def _glare_row(glare, i, step, row):  # type: ignore[no-untyped-def]
-    """Read one row of the glare, or bring it up from boxes: 3/4 of the nearest and 1/4 of the next."""
-    columns = row.shape[0]
-    if step == 1:
-        for j in range(columns):
-            for c in range(3):
-                row[j, c] = glare[i, j, c]
-        return
-    near, high, wide = np.float32(0.75), glare.shape[0], glare.shape[1]
-    a = glare[i // 2]
-    b = glare[min(max(i // 2 + 2 * (i % 2) - 1, 0), high - 1)]
-    far = np.float32(1) - near
-    for k in range(wide):
-        before, behind = max(k - 1, 0), min(k + 1, wide - 1)
-        for c in range(3):
-            middle = near * (near * a[k, c] + far * b[k, c])
-            row[2 * k, c] = middle + far * (near * a[before, c] + far * b[before, c])
-            if 2 * k + 1 < columns:
-                row[2 * k + 1, c] = middle + far * (near * a[behind, c] + far * b[behind, c])
+def take(lit, shares, down, after, glare, first, last, sums):  # type: ignore[no-untyped-def]
+    """Multiply light by the share that is taken from it; add up what is taken, and the glare.
 
-
-@njit(fastmath=True, cache=True, nogil=True)
-def take(lit, nodes, down, down_after, along, along_after, glare, step, first, last, sums):  # type: ignore[no-untyped-def]
-    """Multiply light by the share that is taken from it; add up, row by row, what is taken and the glare."""
-    columns = lit.shape[1]
-    shares = np.empty((nodes.shape[1], 3), np.float32)
-    row = np.empty((columns, 3), np.float32)
+    Shares are rows at nodes; row i lies at `after[i]` of the way from node `down[i]` to the next. Sums are
+    (2, 3 columns): a number for each column, of the rows from `first` to `last`.
+    """
+    low = np.empty(glare.shape[1], np.float32)
+    row = np.empty(2 * glare.shape[1], np.float32)
+    taken, found = sums[0], sums[1]
+    taken[:], found[:] = 0, 0
     for i in range(first, last):
-        _node_row(nodes, down, down_after, i, shares)
-        _glare_row(glare, i, step, row)
-        for c in range(3):
-            taken, found = np.float32(0), np.float32(0)
-            for j in range(columns):
-                a, b = shares[along[j], c], shares[along[j] + 1, c]
-                value = lit[i, j, c] * (a + along_after[j] * (b - a))
-                lit[i, j, c] = value
-                taken += value
-                found += row[j, c]
-            sums[i, 0, c], sums[i, 1, c] = taken, found
+        light, a, b, t = lit[i], shares[down[i]], shares[down[i] + 1], after[i]
+        for k in range(len(light)):
+            value = light[k] * (a[k] + t * (b[k] - a[k]))
+            light[k] = value
+            taken[k] += value
+        if len(glare) < len(lit) or glare.shape[1] < lit.shape[1]:
+            _raise_row(glare, i, low, row)
+            for k in range(len(light)):
+                found[k] += row[k]
+        else:
+            g = glare[i]
+            for k in range(len(light)):
+                found[k] += g[k]
 
 
 @njit(fastmath=True, cache=True, nogil=True)
-def lay(pixels, taken, glare, step, less, more, dimming, first, last, out):  # type: ignore[no-untyped-def]
-    """Take from the pixels what was taken, add the glare, and dim both."""
-    columns = pixels.shape[1]
-    row = np.empty((columns, 3), np.float32)
+def _lay_row(p, taken, g, less, more, dimming, o):  # type: ignore[no-untyped-def]
+    for k in range(len(o)):
+        o[k] = dimming * (p[k] - less[k] * taken[k] + more[k] * g[k])
+
+
+@njit(fastmath=True, cache=True, nogil=True)
+def lay(pixels, taken, glare, less, more, dimming, first, last, out):  # type: ignore[no-untyped-def]
+    """Take from the pixels what was taken, add the glare, and dim both; factors are given for each column."""
+    low = np.empty(glare.shape[1], np.float32)
+    row = np.empty(2 * glare.shape[1], np.float32)
     for i in range(first, last):
-        _glare_row(glare, i, step, row)
-        for j in range(columns):
-            for c in range(3):
-                out[i, j, c] = dimming * (pixels[i, j, c] - less[c] * taken[i, j, c] + more[c] * row[j, c])
+        if len(glare) < len(out) or glare.shape[1] < out.shape[1]:
+            _raise_row(glare, i, low, row)
+            _lay_row(pixels[i], taken[i], row, less, more, dimming, out[i])
+        else:
+            _lay_row(pixels[i], taken[i], glare[i], less, more, dimming, out[i])

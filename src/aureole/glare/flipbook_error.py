@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from aureole import picture
 from aureole.glare.eye import EyeState
-from aureole.glare.flipbook import Flipbooks
-from aureole.glare.fresh_glare import SIZE, FreshGlare
+from aureole.glare.flipbook import SIZE, Flipbooks
+from aureole.glare.fresh_glare import FreshGlare
 from aureole.glare.real_time import GlareSource, RealTimeGlare
 from aureole.picture import MixedConvolver
 from aureole.records import Picture
@@ -32,7 +32,8 @@ class FlipbookError:
     ratios : tuple of float
         Mean of each ring over the wave's.
     deviations : tuple of float
-        Root mean square of the difference between the two in each ring, over the wave's mean.
+        Root mean square of the difference between the two in each ring, pixel by pixel and channel by
+        channel, over the wave's mean.
     spread : float
         Light that the flipbooks spread on the frame over what the wave does.
     psnr : float or None
@@ -75,8 +76,8 @@ def flipbook_error(
         state.eye, own.shape, own.field_of_view, own.resolution, flipbooks.colour_space, size
     )
     ours, wave = _of_point(flipbooks, state), _of_point(fresh, state)
-    middle = [n // 2 for n in ours.shape]
-    y, x = (np.arange(n) - m for n, m in zip(ours.shape, middle, strict=True))
+    middle = [n // 2 for n in ours.shape[:2]]
+    y, x = (np.arange(n) - m for n, m in zip(ours.shape[:2], middle, strict=True))
     step = 2 if own.resolution == "half" else 1
     pitch = 2 * math.tan(own.field_of_view / 2) / own.shape[1] * step
     angles = np.arctan(np.hypot(y[:, None], x) * pitch)
@@ -93,11 +94,11 @@ def flipbook_error(
 
 
 def _of_point(source: GlareSource, state: EyeState) -> NDArray[np.float64]:
-    """Return the glare about one bright pixel in the frame's middle, mean over channels."""
+    """Return the glare about one bright pixel in the frame's middle."""
     kernels, mix = source.frames.kernels, source.mix(state)
     point = np.zeros((*kernels.shape, 3), dtype=np.float32)
     point[kernels.shape[0] // 2, kernels.shape[1] // 2] = 1
-    return np.asarray(MixedConvolver(kernels)(point, mix).mean(axis=2, dtype=np.float64))
+    return MixedConvolver(kernels)(point, mix).astype(np.float64)
 
 
 def _on_scene(one: GlareSource, two: GlareSource, state: EyeState, scene: Picture) -> tuple[float, float]:

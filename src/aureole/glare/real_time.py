@@ -7,6 +7,7 @@ from a pixel (all that it spreads, or what of that lands on the frame), d what t
 from flipbooks, or from a wave computed afresh for each picture: `RealTimeGlare` takes either.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -74,14 +75,17 @@ class RealTimeGlare:
         self._luminance = light.SPACES[source.colour_space].to_xyz[1].astype(np.float32)
         self._threads = thread_count(threads)
         self._weights = solid_angle_weights(frames.shape, frames.field_of_view)
-        self._step = 2 if frames.resolution == "half" else 1
         self._convolve = MixedConvolver(frames.kernels, self._threads)
-        self._lit = np.empty((*frames.shape, 3), dtype=np.float32)
-        low = (*frames.kernels.shape, 3)
-        self._low = self._lit if self._step == 1 else np.empty(low, dtype=np.float32)
-        self._glare = np.empty(low, dtype=np.float32)
-        self._sums = np.empty((frames.shape[0], 2, 3), dtype=np.float64)
-        self._nodes = tuple(_between_nodes(length, self._step) for length in frames.shape)
+        rows, columns = frames.shape
+        low_rows, low_columns = frames.kernels.shape
+        self._is_half = frames.resolution == "half"
+        self._lit = np.empty((rows, 3 * columns), dtype=np.float32)
+        self._low = np.empty((low_rows, 3 * low_columns), dtype=np.float32) if self._is_half else self._lit
+        self._glare = np.empty((low_rows, 3 * low_columns), dtype=np.float32)
+        self._tasks = [*range(0, rows, -(-rows // (4 * self._threads))), rows]
+        self._sums = np.empty((len(self._tasks) - 1, 2, 3 * columns), dtype=np.float32)
+        step = 2 if self._is_half else 1
+        self._down, self._along = _between_nodes(rows, step), _between_nodes(columns, step)
 
     def __call__(self, pixels: Pixels, state: EyeState, out: Pixels | None = None) -> Pixels:
         """Return a picture as the eye sees it in a state.
@@ -103,29 +107,32 @@ class RealTimeGlare:
         Raises
         ------
         refuse.Refusal
-            Where the picture has another shape.
+            Where the picture has another shape, or holds NaN or infinity.
         """
-        picture = np.ascontiguousarray(refuse.shape_of("pixels", pixels, self._lit.shape), dtype=np.float32)
-        result = np.empty_like(picture) if out is None else out
+        shape = (*self.source.frames.shape, 3)
+        given = refuse.all_finite("pixels", refuse.shape_of("pixels", pixels, shape))
+        picture = np.ascontiguousarray(given, dtype=np.float32).reshape(self._lit.shape)
+        result = np.empty(shape, dtype=np.float32) if out is None else out
         mix = self.source.mix(state)
         self._light_up(picture)
-        self._convolve(self._low, mix, self._glare, lowest=0.0 if float(self._low.min()) >= 0 else -np.inf)
-        less, more = self._take(mix)
+        low = (*self.source.frames.kernels.shape, 3)
+        lowest = 0.0 if float(self._low.min()) >= 0 else -np.inf
+        self._convolve(self._low.reshape(low), mix, self._glare.reshape(low), lowest)
+        less, more = (np.tile(factors, shape[1]) for factors in self._take(mix))
         dimming = np.float32(self.source.open_share(state) if self.dimming else 1)
-
-        def lay(first: int, last: int) -> None:
-            _kernels_real_time.lay(
-                picture, self._lit, self._glare, self._step, less, more, dimming, first, last, result
+        rows = result.reshape(picture.shape)
+        self._share_rows(
+            lambda _, first, last: _kernels_real_time.lay(
+                picture, self._lit, self._glare, less, more, dimming, first, last, rows
             )
-
-        self._share_rows(lay, len(result))
+        )
         return result
 
     def _light_up(self, picture: Pixels) -> None:
         """Find the light that makes glare, on the patterns' pixels."""
         low, high = self._knee
 
-        def weigh(first: int, last: int) -> None:
+        def weigh(task: int, first: int, last: int) -> None:
             if self.mode == "replace":
                 _kernels_real_time.weigh(picture, self._weights, first, last, self._lit)
             else:
@@ -133,47 +140,45 @@ class RealTimeGlare:
                     picture, self._weights, self._luminance, low, high, first, last, self._lit
                 )
 
-        def box(first: int, last: int) -> None:
-            _kernels_real_time.boxes(self._lit, first, last, self._low)
-
-        self._share_rows(weigh, len(self._lit))
-        if self._step == 2:
-            self._share_rows(box, len(self._low))
+        self._share_rows(weigh)
+        if self._is_half:
+            _kernels_real_time.boxes(self._lit, 0, len(self._low), self._low)
 
     def _take(self, mix: list[tuple[int, float]]) -> tuple[Pixels, Pixels]:
-        """Work out what is taken from each pixel; return factors on that and on the glare."""
-        more = np.full(3, self.gain if self.mode == "add" else 1.0, dtype=np.float32)
+        """Work out what is taken from each pixel; return each channel's factors on that and on the glare."""
         if self.mode == "add":
-            return np.zeros(3, dtype=np.float32), more
-        nodes = self._shares(mix)
-        (down, down_after), (along, along_after) = self._nodes
-
-        def take(first: int, last: int) -> None:
-            _kernels_real_time.take(
-                *(self._lit, nodes, down, down_after, along, along_after),
-                *(self._glare, self._step, first, last, self._sums),
+            return np.zeros(3, dtype=np.float32), np.full(3, self.gain, dtype=np.float32)
+        shares, (down, after) = self._shares(mix), self._down
+        self._share_rows(
+            lambda task, first, last: _kernels_real_time.take(
+                self._lit, shares, down, after, self._glare, first, last, self._sums[task]
             )
-
-        self._share_rows(take, len(self._lit))
+        )
+        as_is = np.ones(3, dtype=np.float32)
         if self.border == "lose":
-            return np.ones(3, dtype=np.float32), more
-        taken, found = self._sums.sum(axis=0)
+            return as_is, as_is
+        taken, found = self._sums.sum(axis=0, dtype=np.float64).reshape(2, -1, 3).sum(axis=1)
         # What straight lines between nodes, half boxes and rounding leave over is taken back as a whole.
         is_close = (taken != 0) & (np.abs(found - taken) < 0.6 * np.abs(taken))
-        return np.where(is_close, found / np.where(is_close, taken, 1), 1).astype(np.float32), more
+        return np.where(is_close, found / np.where(is_close, taken, 1), 1).astype(np.float32), as_is
 
     def _shares(self, mix: list[tuple[int, float]]) -> Pixels:
-        """Return what is taken from a pixel at each node."""
+        """Return the share that is taken from each column's light, at the nodes down the rows."""
         frames = self.source.frames
         if self.border == "lose":
             spread = sum(weight * frames.kernels.sums[place] for place, weight in mix)
-            return np.broadcast_to(np.asarray(spread, dtype=np.float32), frames.arriving.shape[1:]).copy()
-        total: Any = sum(np.float32(weight) * frames.arriving[place] for place, weight in mix)
-        return np.asarray(total, dtype=np.float32)
+            nodes = np.broadcast_to(np.asarray(spread, dtype=np.float32), frames.arriving.shape[1:]).copy()
+        else:
+            total: Any = sum(np.float32(weight) * frames.arriving[place] for place, weight in mix)
+            nodes = np.asarray(total, dtype=np.float32)
+        shares = np.empty((len(nodes), self._lit.shape[1]), dtype=np.float32)
+        _kernels_real_time.spread_nodes(nodes, *self._along, shares)
+        return shares
 
-    def _share_rows(self, task: Any, rows: int) -> None:
-        size = -(-rows // (4 * self._threads))
-        share(lambda first: task(first, min(first + size, rows)), range(0, rows, size), self._threads)
+    def _share_rows(self, task: Callable[[int, int, int], None]) -> None:
+        """Do a task for each block of rows."""
+        ends = self._tasks
+        share(lambda k: task(k, ends[k], ends[k + 1]), range(len(ends) - 1), self._threads)
 
 
 def _knee(threshold: float, knee: float) -> tuple[np.float32, np.float32]:
