@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from aureole import Grid, aperture, diffraction, glare, refuse
-from aureole.glare.eye_aperture import FIELD_RADIUS, lash_shadows, moved_particles
+from aureole.glare.eye_aperture import FIELD_RADIUS, lash_shadows, moved_particles, state_fibres
 from aureole.glare.eye_particles import populations
 
 SIZE, WIDTH = 192, 8e-3
@@ -72,6 +72,21 @@ def test_one_seed_means_the_same_places_on_every_machine():
     np.testing.assert_allclose(lot.centres, SCATTERED_OF_SEED_1_2_3, atol=1e-12)
 
 
+def test_what_the_iris_hides_is_left_out_and_nothing_else():
+    """Of fibres and particles the pixels of the pupil, partly covered ones too, miss nothing."""
+    small = replace(STATE, pupil_diameter=5e-3)
+    made = parts(small)
+    passing = made["bloom"] > 0
+    whole = aperture.disc_coverage(aperture.joined(moved_particles(small)), SIZE, WIDTH)
+    np.testing.assert_allclose(made["corona"][passing], 2 * whole[passing], atol=1e-6)
+    fibres = small.eye.fibre_depth * aperture.fibre_coverage(state_fibres(small), SIZE, WIDTH)
+    np.testing.assert_allclose(made["halo"][passing], fibres[passing], atol=1e-6)
+    outside = aperture.disc_coverage(aperture.Discs(np.zeros((1, 2)), np.array([2.8e-3])), SIZE, WIDTH) == 0
+    assert not made["corona"][outside].any()
+    assert not made["halo"][outside].any()
+    assert whole[outside].any()
+
+
 def test_age_adds_particles_and_leaves_those_that_were():
     for young, old in zip(
         moved_particles(STATE), moved_particles(replace(STATE, eye=glare.Eye(age=70.0))), strict=True
@@ -90,6 +105,7 @@ def test_particles_are_as_dense_as_their_populations_say():
     for layer in moved_particles(STATE):
         distances = np.hypot(*layer.centres.T)
         assert distances.max() <= FIELD_RADIUS
+        assert len(np.unique(layer.centres, axis=0)) == len(distances)
         # Half of an even disc lies within √½ of its radius.
         assert np.mean(distances < FIELD_RADIUS / math.sqrt(2)) == pytest.approx(
             0.5, abs=2 / math.sqrt(len(distances))
@@ -149,7 +165,8 @@ def test_fibres_of_a_width_are_as_many_as_fit_in_each_shell():
 
 
 def test_lids_close_monotonically_until_nothing_passes():
-    shares = [glare.open_share(replace(STATE, lid_opening=opening)) for opening in np.linspace(0, 1, 11)]
+    openings = np.linspace(0, 1, 11)
+    shares = [glare.open_share(replace(STATE, lid_opening=opening), size=64) for opening in openings]
     assert shares[0] == 0
     assert np.all(np.diff(shares) > 0)
     assert shares[-1] > 0.97
@@ -172,9 +189,10 @@ def test_open_lids_clear_the_widest_pupil():
     assert bloom.sum(dtype=float) * (9.5e-3 / SIZE) ** 2 == pytest.approx(math.pi * 4.5e-3**2, rel=1e-5)
 
 
-def test_lids_cover_the_area_between_their_parabolas():
+@pytest.mark.parametrize("opening", [0.003, 0.05, 0.4])
+def test_lids_leave_the_area_between_their_parabolas(opening):
     mask = np.ones((300, 300), dtype=np.float32)
-    margins = aperture.lids(0.4)
+    margins = aperture.lids(opening)
     aperture.close_lids(mask, margins, 10e-3)
     x = np.linspace(-5e-3, 5e-3, 20001)
     upper, lower = (height + curvature * x**2 / 2 for height, curvature in (margins.upper, margins.lower))
@@ -198,6 +216,16 @@ def test_lashes_cover_their_own_area_and_taper():
     assert covered.sum(dtype=float) * (40e-3 / 512) ** 2 == pytest.approx(
         abs(aperture.ring_moments(clear)[0]), rel=1e-4
     )
+
+
+def test_lashes_without_spread_stand_upright_on_the_margin():
+    for opening in (0.2, 1.0):
+        curvature = aperture.lids(opening).upper[1]
+        for ring in aperture.lashes(6, 0.0, 80e-6, opening, 1):
+            root, tip = ring.vertices[[0, 3]].mean(axis=0), ring.vertices[[1, 2]].mean(axis=0)
+            tangent = np.array([1.0, curvature * root[0]])
+            assert abs((tip - root) @ tangent) < 1e-12
+            assert tip[1] > root[1]
 
 
 def test_lashes_bend_as_the_lids_close():

@@ -40,23 +40,20 @@ def uncover_discs(
             across[column] = _strip(column - x, radius)
         above = _strip(top - y, radius)
         for row in range(top, bottom):
-            low, high = max(row - y, -radius), min(row + 1 - y, radius)
-            below = _strip(row + 1 - y, radius)
+            low, high = row - y, row + 1 - y
+            below = _strip(high, radius)
             # Pixels between the chords of both edges of the row are covered wholly.
             half = math.sqrt(max(0.0, radius * radius - max(low * low, high * high)))
-            wholly = row - y >= -radius and row + 1 - y <= radius
             start, end = math.ceil(x - half), math.floor(x + half) - 1
             corner_low = _corner(left - x, low, across[left], above, radius)
             corner_high = _corner(left - x, high, across[left], below, radius)
             for column in range(left, right):
-                if wholly and start <= column < end:
+                # The last of them is measured, with all that were passed over: more than a whole pixel.
+                if start <= column < end:
                     pixels[row, column] = 0
                     continue
                 next_low = _corner(column + 1 - x, low, across[column + 1], above, radius)
                 next_high = _corner(column + 1 - x, high, across[column + 1], below, radius)
-                if wholly and column == end:
-                    corner_low = _corner(column - x, low, across[column], above, radius)
-                    corner_high = _corner(column - x, high, across[column], below, radius)
                 covered = next_high - next_low - corner_high + corner_low
                 pixels[row, column] *= min(max(1 - covered, 0.0), 1.0)
                 corner_low, corner_high = next_low, next_high

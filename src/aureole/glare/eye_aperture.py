@@ -71,7 +71,7 @@ def eye_parts(
     return {
         "bloom": _open_pupil(state, size, width, source),
         "halo": _halo(state, size, width),
-        "corona": _corona(_pupil_particles(state), size, width),
+        "corona": _corona(_pupil_particles(state, 1.5 * width / size), size, width),
         "streaks": _streaks(state, size, width, source),
     }
 
@@ -143,7 +143,7 @@ def corona_layers(
         Where a number is outside its range.
     """
     refuse.positive("boundary", boundary)
-    discs = _pupil_particles(state)
+    discs = _pupil_particles(state, 1.5 * width / size)
     large = discs.radii >= boundary
     return {
         name: _corona(Discs(discs.centres[chosen], discs.radii[chosen]), size, width)
@@ -311,10 +311,10 @@ def _at_rest(age: float, pigment: float, factor: float, seed: int) -> tuple[Disc
     return tuple(apertures.joined(lots[layer]) for layer in LAYERS)
 
 
-def _pupil_particles(state: EyeState) -> Discs:
-    """Return all particles that the iris does not hide."""
+def _pupil_particles(state: EyeState, margin: float) -> Discs:
+    """Return all particles that the iris does not hide, and those within a margin of its rim."""
     discs = apertures.joined(moved_particles(state))
-    reach = state.pupil_diameter / 2 + discs.radii
+    reach = state.pupil_diameter / 2 + margin + discs.radii
     seen = np.einsum("ij,ij->i", discs.centres, discs.centres) < reach**2
     return Discs(discs.centres[seen], discs.radii[seen])
 
