@@ -70,29 +70,31 @@ class GlarePart:
         ndarray of float32, shape (rows, columns, 3)
             Light per pixel.
         """
-        out = np.asarray(self.spread(light), dtype=np.float32)
-        expected, found = channel_sums(self.arriving * light), channel_sums(out)
-        # The transform's rounding, and darkness cut off at zero, are taken back as a whole.
-        is_close = (found > 0) & (np.abs(expected - found) < 0.05 * np.abs(found))
-        out *= np.where(is_close, expected / np.where(is_close, found, 1), 1).astype(np.float32)
-        return out
+        return self._spread_to(light, channel_sums(self.arriving * light))
 
-    def taken(self, light: NDArray[np.float32], border: str) -> NDArray[np.float32]:
-        """Return what light loses in its own pixels.
+    def move(self, light: NDArray[np.float32], out: NDArray[np.float32], border: str) -> None:
+        """Take light from its pixels and add the glare that it makes.
 
         Parameters
         ----------
         light : ndarray of float32, shape (rows, columns, 3)
             Light per pixel, already weighted.
+        out : ndarray of float32, shape (rows, columns, 3)
+            The picture, which is changed.
         border : str
-            "keep" or "lose".
-
-        Returns
-        -------
-        ndarray of float32, shape (rows, columns, 3)
-            Light per pixel.
+            "keep": as much is taken as arrives on the frame; "lose": all that is spread.
         """
-        return light * (self.arriving if border == "keep" else self.scattered)
+        arriving = self.arriving * light
+        out -= arriving if border == "keep" else light * self.scattered
+        out += self._spread_to(light, channel_sums(arriving))
+
+    def _spread_to(self, light: NDArray[np.float32], sums: NDArray[np.float64]) -> NDArray[np.float32]:
+        out = np.asarray(self.spread(light), dtype=np.float32)
+        found = channel_sums(out)
+        # The transform's rounding, and darkness cut off at zero, are taken back as a whole.
+        is_close = (found > 0) & (np.abs(sums - found) < 0.05 * np.abs(found))
+        out *= np.where(is_close, sums / np.where(is_close, found, 1), 1).astype(np.float32)
+        return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -481,9 +483,7 @@ def _moved(
     lit = colour if limit is None else colour * limit
     out = colour.copy()
     for part in ready.parts:
-        light = lit * part.weights[..., None]
-        out -= part.taken(light, ready.border)
-        out += part.glare(light)
+        part.move(lit * part.weights[..., None], out, ready.border)
     return out
 
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from aureole import light, picture, refuse
-from aureole.glare import _kernels_splat
+from aureole.glare import _kernels_half
 from aureole.glare.eye_composite import (
     BORDERS,
     CORE_ANGLE,
@@ -252,7 +252,7 @@ def _stamp(
 def _laid(kernel: NDArray[np.float32], lit: NDArray[np.float32]) -> NDArray[np.float32]:
     rows, columns = np.nonzero(lit.any(axis=2))
     out = np.zeros_like(lit)
-    _kernels_splat.splat(rows, columns, lit[rows, columns], kernel, out)
+    _kernels_half.splat(rows, columns, lit[rows, columns], kernel, out)
     return out
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import picture, refuse
-from aureole.glare import _kernels_splat
+from aureole.glare import _kernels_half
 from aureole.glare.eye_stars import compact_light
 from aureole.glare.kernel import beyond_core
 
@@ -34,22 +34,10 @@ def halved(pixels: NDArray[np.floating]) -> NDArray[np.float32]:
         Light per box: three quarters of each pixel go to its own box, one to the next beside it, so that
         the middle of the light stays where it is. The sum is the picture's.
     """
-    rows, columns = pixels.shape[:2]
-    if rows % 2 or columns % 2:
-        pixels = np.pad(pixels, ((0, rows % 2), (0, columns % 2), (0, 0)))
-    return np.ascontiguousarray(_gathered(_gathered(pixels, 0), 1))
-
-
-def _gathered(values: NDArray[np.floating], axis: int) -> NDArray[np.float32]:
-    """Half as many samples along an axis: the transpose of `_stretched`."""
-    moved = np.moveaxis(values, axis, 0)
-    first, second = np.float32(0.25) * moved[0::2], np.float32(0.25) * moved[1::2]
-    out = 3 * (first + second)
-    out[1:] += second[:-1]
-    out[:-1] += first[1:]
-    out[0] += first[0]
-    out[-1] += second[-1]
-    return np.asarray(np.moveaxis(out, 0, axis), dtype=np.float32)
+    boxes = (pixels.shape[0] + 1) // 2, (pixels.shape[1] + 1) // 2
+    out = np.zeros((*boxes, pixels.shape[2]), dtype=np.float32)
+    _kernels_half.halve(np.ascontiguousarray(pixels, dtype=np.float32), out)
+    return out
 
 
 def doubled(boxes: NDArray[np.floating], shape: tuple[int, int]) -> NDArray[np.float32]:
@@ -67,19 +55,9 @@ def doubled(boxes: NDArray[np.floating], shape: tuple[int, int]) -> NDArray[np.f
     ndarray of float32, shape (rows, columns, channels)
         Its sum is that of the boxes where the shape is twice theirs.
     """
-    wide = _stretched(boxes * np.float32(0.25), 0)[: shape[0]]
-    return np.ascontiguousarray(_stretched(wide, 1)[:, : shape[1]])
-
-
-def _stretched(values: NDArray[np.floating], axis: int) -> NDArray[np.float32]:
-    """Twice as many samples along an axis, each a quarter of the way to the next box."""
-    moved = np.moveaxis(values, axis, 0)
-    out = np.empty((2 * len(moved), *moved.shape[1:]), dtype=np.float32)
-    own = np.float32(0.75) * moved
-    before, after = np.concatenate([moved[:1], moved[:-1]]), np.concatenate([moved[1:], moved[-1:]])
-    out[0::2] = own + np.float32(0.25) * before
-    out[1::2] = own + np.float32(0.25) * after
-    return np.moveaxis(out, 0, axis)
+    out = np.empty((*shape, boxes.shape[2]), dtype=np.float32)
+    _kernels_half.double(np.ascontiguousarray(boxes, dtype=np.float32), out)
+    return out
 
 
 def halved_kernel(kernel: NDArray[np.floating]) -> NDArray[np.float32]:
@@ -125,6 +103,7 @@ class HalfSpread:
         self, kernel: NDArray[np.float32], shape: tuple[int, int], precision: str = "single"
     ) -> None:
         boxes = (shape[0] + 1) // 2, (shape[1] + 1) // 2
+        self._boxes = boxes
         far = kernel * beyond_core((kernel.shape[0], kernel.shape[1]), NEAR)[..., None]
         self._near = _cropped(kernel - far, int(2 * NEAR))
         self._all = picture.Convolver(halved_kernel(kernel), boxes, precision)
@@ -143,14 +122,33 @@ class HalfSpread:
         ndarray of float32, shape (rows, columns, 3)
             The glare.
         """
-        stars = compact_light(pixels)
-        rows, columns = np.nonzero(stars.any(axis=2))
-        boxes = self._all(halved(pixels - stars))
-        if len(rows):
-            boxes += self._far(halved(stars))
+        rows, columns, light = compact_light(pixels)
+        if not len(rows):
+            return doubled(self._all(halved(pixels)), (pixels.shape[0], pixels.shape[1]))
+        rest = pixels.copy()
+        rest[rows, columns] -= light
+        boxes = self._all(halved(rest)) + self._far(_halved_few(rows, columns, light, self._boxes))
         out = doubled(boxes, (pixels.shape[0], pixels.shape[1]))
-        _kernels_splat.splat(rows, columns, stars[rows, columns], self._near, out)
+        _kernels_half.splat(rows, columns, light, self._near, out)
         return out
+
+
+def _halved_few(
+    rows: NDArray[np.int64],
+    columns: NDArray[np.int64],
+    light: NDArray[np.float32],
+    boxes: tuple[int, int],
+) -> NDArray[np.float32]:
+    """Return light per box of a few pixels on black, as `halved` has it."""
+    out = np.zeros((*boxes, 3), dtype=np.float32)
+    places = [
+        [(at // 2, 0.75), (np.clip(at // 2 + 2 * (at % 2) - 1, 0, n - 1), 0.25)]
+        for at, n in zip((rows, columns), boxes, strict=True)
+    ]
+    for row, down in places[0]:
+        for column, across in places[1]:
+            np.add.at(out, (row, column), np.float32(down * across) * light)
+    return out
 
 
 def spreader(kernel: NDArray[np.float32], shape: tuple[int, int], resolution: str, precision: str) -> Any:

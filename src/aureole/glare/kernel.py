@@ -99,7 +99,10 @@ def channel_sums(pixels: NDArray[np.floating]) -> NDArray[np.float64]:
     ndarray of float64, shape (channels,)
         The sums.
     """
-    return np.array([pixels[..., channel].sum(dtype=np.float64) for channel in range(pixels.shape[2])])
+    rows, columns, channels = pixels.shape
+    # Sums down the rows run along memory, which takes a fraction of the time.
+    along = pixels.reshape(rows, -1).sum(axis=0, dtype=np.float64)
+    return np.asarray(along.reshape(columns, channels).sum(axis=0))
 
 
 def kernel_for(psf: Picture, host: str) -> Picture:
