@@ -120,7 +120,7 @@ def main() -> None:
 
 def times(runs: int) -> None:
     """Print the seconds of each stage, medians."""
-    print("\nseconds, medians            parts   wave   pixels   whole")
+    print("\nseconds, medians            parts  pattern   whole")
     for diameter, side, field in (
         (7.4e-3, 1024, 60),
         (7.4e-3, 1024, 10),

@@ -1,13 +1,14 @@
 """The eye's point spread function against CIE 135, the Airy disc, and its energy kept whole."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.special import j0, j1
 
 from aureole import light
-from aureole.glare import Eye, EyeState, component_psfs, eye_psf, veil
+from aureole.glare import Eye, EyeState, component_psfs, eye_named, eye_psf, veil
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 CLEAN = Eye(particles=0, lashes=0, fibre_depth=0)
@@ -66,6 +67,58 @@ def test_a_clean_eye_makes_an_airy_disc(field, side, radii):
         density = (j1(np.maximum(v, 1e-9)) / np.maximum(v, 1e-9)) ** 2 * math.pi * diameter**2 / wavelength**2
         # Over a pixel the mean of the peak is 1.4 % below it.
         np.testing.assert_allclose(green, density * area, atol=0.015 * green.max())
+
+
+def contrast_of_halo(eye, diameter, low, high, side, field):
+    """Return rings' middles in degrees, and by what part fibres brighten them at 568 nm."""
+    edges = np.linspace(low, high, 25)
+    means = []
+    for one in (eye, replace(eye, fibre_depth=0.0)):
+        state = EyeState(one, pupil_diameter=diameter)
+        psf = eye_psf(state, (side, side), math.radians(field), light.line(568e-9), tail=False)
+        means.append(over_cie(psf, eye.age, edges))
+    return (edges[1:] + edges[:-1]) / 2, means[0] / means[1] - 1
+
+
+def test_real_fibres_make_a_halo_of_three_degrees_in_wide_pupils_alone():
+    # Fibres of 10.2 µm from 2.25 to 4.0 mm: λ / width is 3.19 degrees.
+    middles, contrast = contrast_of_halo(Eye(), 7e-3, 2.5, 4.0, 401, 8.4)
+    assert 3.0 < middles[np.argmax(contrast)] < 3.3
+    assert contrast.max() > 1
+    assert contrast[(middles < 2.8) | (middles > 3.8)].max() < 0.2
+    _, narrow = contrast_of_halo(Eye(), 3e-3, 2.5, 4.0, 401, 8.4)
+    assert np.abs(narrow).max() < 0.05
+
+
+def test_two_hundred_gratings_make_a_halo_of_a_third_of_a_degree():
+    eye = replace(eye_named("ritschel-2009"), particles=0)
+    middles, contrast = contrast_of_halo(eye, 7e-3, 0.2, 0.5, 301, 1.05)
+    assert middles[np.argmax(contrast)] == pytest.approx(0.35, abs=0.03)
+
+
+def test_a_small_wavefront_error_lowers_the_peak_by_its_strehl_ratio():
+    error, wavelength = 0.07 * 550e-9, 550e-9
+    peaks = []
+    for eye in (CLEAN, replace(CLEAN, zernike={"astigmatism": error}, zernike_diameter=3e-3)):
+        state = EyeState(eye, pupil_diameter=3e-3)
+        psf = eye_psf(state, (41, 41), math.radians(0.08), light.line(wavelength), tail=False, size=512)
+        peaks.append(psf.pixels[20, 20, 1])
+    assert peaks[1] / peaks[0] == pytest.approx(
+        math.exp(-((2 * math.pi * error / wavelength) ** 2)), abs=0.01
+    )
+
+
+def test_a_defocused_eye_spreads_a_point_over_its_blur_disc():
+    # Geometry: a pupil of diameter d out of focus by D dioptres blurs a point to a disc of d D radians.
+    diameter, dioptres = 4e-3, 2.0
+    state = EyeState(replace(CLEAN, defocus=dioptres), pupil_diameter=diameter)
+    psf = eye_psf(state, (121, 121), math.radians(1), tail=False, size=512, wavelengths=12)
+    angle, _ = angles_of(psf)
+    radius = math.degrees(diameter * dioptres / 2)
+    energy = (psf.pixels @ LUMINANCE) / (psf.pixels @ LUMINANCE).sum()
+    for part in (0.5, 0.8):
+        assert float(energy[angle < part * radius].sum()) == pytest.approx(part**2, abs=0.06)
+    assert float(energy[angle < 1.15 * radius].sum()) > 0.95
 
 
 def test_components_are_each_of_energy_one_and_their_shares_too():

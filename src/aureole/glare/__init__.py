@@ -54,6 +54,7 @@ from aureole.glare.eye_composite import (
 )
 from aureole.glare.eye_field import eye_field, eye_stamps, field_places, radial_layers
 from aureole.glare.eye_lids import blinks
+from aureole.glare.eye_particles import Population, populations, scattered_share
 from aureole.glare.eye_picture import eye_picture
 from aureole.glare.eye_psf import eye_psf, eye_psf_stages
 from aureole.glare.eye_pupil import pupil_diameter, ritschel_diameter
@@ -67,6 +68,7 @@ from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonn
 from aureole.glare.photosafe import FlashLimiter, flash_measures, flashes
 from aureole.glare.real_time import RealTimeGlare
 from aureole.glare.sources import KNEES, above_knee
+from aureole.glare.veil import cie_135, cie_146, hemisphere_energy, spencer, stiles_holladay
 
 __all__ = [
     "BORDERS",
@@ -85,6 +87,7 @@ __all__ = [
     "FlipbookError",
     "Flipbooks",
     "FreshGlare",
+    "Population",
     "RealTimeGlare",
     "above_knee",
     "adapted",
@@ -94,6 +97,8 @@ __all__ = [
     "camera_psf",
     "camera_psf_stages",
     "check_eye",
+    "cie_135",
+    "cie_146",
     "compact_light",
     "component_psfs",
     "component_weights",
@@ -115,6 +120,7 @@ __all__ = [
     "flash_measures",
     "flashes",
     "flipbook_error",
+    "hemisphere_energy",
     "kernel_for",
     "load_flipbooks",
     "lumps",
@@ -122,13 +128,17 @@ __all__ = [
     "make_flipbooks_stages",
     "nonnegative",
     "open_share",
+    "populations",
     "prepare",
     "pupil",
     "pupil_diameter",
     "radial_layers",
     "ritschel_diameter",
     "save_flipbooks",
+    "scattered_share",
     "solid_angle_weights",
+    "spencer",
     "states",
+    "stiles_holladay",
     "tangent_pitch",
 ]

@@ -105,14 +105,32 @@ def eye_aperture(state: EyeState, size: int, width: float, source: Source = (0.0
     mask = parts["bloom"]
     for name in COMPONENTS[1:]:
         mask *= np.subtract(1, parts[name], out=parts[name])
+    return focused(Aperture(width, mask=mask, name=f"eye {state.eye.name}"), state)
+
+
+def focused(opening: Aperture, state: EyeState) -> Aperture:
+    """Give an opening the wavefront of an eye.
+
+    Parameters
+    ----------
+    opening : Aperture
+        A raster on the pupil plane.
+    state : EyeState
+        The eye at a time.
+
+    Returns
+    -------
+    Aperture
+        With a wavefront where the eye has a defocus or Zernike terms, in which the accommodation off its
+        mean counts, too; the opening itself elsewhere.
+    """
     eye = state.eye
-    opening = Aperture(width, mask=mask, name=f"eye {eye.name}")
-    if eye.defocus == 0 and not eye.zernike:
+    if (eye.defocus == 0 and not eye.zernike) or opening.mask is None:
         return opening
     radius = eye.zernike_diameter / 2
     # An eye that focuses nearer than it should needs a weaker glass.
     rim = (eye.defocus - state.accommodation) * radius**2 / 2
-    return apertures.with_wavefront(opening, size, eye.zernike, defocus=rim, radius=radius)
+    return apertures.with_wavefront(opening, len(opening.mask), eye.zernike, defocus=rim, radius=radius)
 
 
 def corona_layers(

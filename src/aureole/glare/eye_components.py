@@ -15,21 +15,11 @@ from numpy.typing import NDArray
 
 from aureole import refuse
 from aureole.glare.eye import EyeState
-from aureole.glare.eye_aperture import COMPONENTS, eye_parts
-from aureole.glare.eye_pattern import (
-    MARGIN,
-    WAVELENGTHS,
-    Lamp,
-    Veil,
-    developed,
-    lamp_of,
-    raster_size,
-    view_of,
-)
+from aureole.glare.eye_aperture import COMPONENTS, eye_parts, focused
+from aureole.glare.eye_pattern import MARGIN, WAVELENGTHS, Lamp, Veil, lamp_of, pattern_of, raster_size
 from aureole.glare.eye_pixels import Frame
-from aureole.glare.eye_wave import wave_of
 from aureole.glare.kernel import nonnegative
-from aureole.records import Picture, Spectrum
+from aureole.records import Aperture, Picture, Spectrum
 
 Parts = dict[str, NDArray[np.float32]]
 # Brightness of the four patterns in J. Delavennat's thesis (2021), Eq. 3.4.
@@ -96,7 +86,7 @@ def component_psfs(
     for name in components:
         refuse.one_of("components", name, COMPONENTS)
     frame = Frame.checked(shape, field_of_view, projection)
-    many = raster_size(state.pupil_diameter, frame) if size is None else refuse.at_least("size", size, 16)
+    many = raster_size(state, frame) if size is None else refuse.at_least("size", size, 16)
     width = MARGIN * state.pupil_diameter
     parts = resolved_parts(state, many, width, source)
     lamp = lamp_of(spectrum, colour_space, frame, wavelengths)
@@ -168,10 +158,10 @@ def component_energies(parts: Parts) -> tuple[dict[str, float], dict[str, float]
     return energies, {"bloom": 1 - sum(shares.values())} | shares
 
 
-def whole_amplitude(
+def whole_opening(
     state: EyeState, size: int, width: float, source: tuple[float, float]
-) -> tuple[NDArray[np.float32], float]:
-    """Return the amplitude behind all parts of an eye, and the energy that passes.
+) -> tuple[Aperture, float]:
+    """Return what all parts of an eye let through, and its energy.
 
     Parameters
     ----------
@@ -186,8 +176,8 @@ def whole_amplitude(
 
     Returns
     -------
-    ndarray of float32, shape (size, size)
-        -1 to 1.
+    Aperture
+        A raster of −1 to 1, with the eye's wavefront.
     float
         Square metres; particles take nothing from it, even where they are smaller than a pixel.
     """
@@ -196,7 +186,7 @@ def whole_amplitude(
     amplitude = parts["bloom"]
     for name in COMPONENTS[1:]:
         amplitude *= np.subtract(1, parts[name], out=parts[name])
-    return amplitude, energy
+    return focused(Aperture(width, mask=amplitude), state), energy
 
 
 def resolved_parts(state: EyeState, size: int, width: float, source: tuple[float, float]) -> Parts:
@@ -299,12 +289,11 @@ def _pattern(
     if shares[name] == 0:
         return pixels
     width = MARGIN * state.pupil_diameter
+    opening = focused(Aperture(width, mask=amplitude), state)
     area = energy * (width / len(amplitude)) ** 2
-    wave = wave_of(amplitude, width, area, view_of(frame, tail))
+    rest = "none" if not tail else "core" if name == "bloom" else "all"
     veil = Veil.of(state.eye, shares[name]) if tail and name == "corona" else None
-    if not tail:
-        return developed(wave, frame, lamp, None, "none")
-    return developed(wave, frame, lamp, veil, "core" if name == "bloom" else "all")
+    return pattern_of(opening, area, frame, lamp, veil, rest, tail)
 
 
 def _amplitudes(parts: Parts, components: Sequence[str]) -> Iterator[tuple[str, NDArray[np.float32]]]:

@@ -6,6 +6,7 @@ wavelength lacks.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,11 +14,11 @@ from numpy.typing import NDArray
 from scipy import fft
 
 from aureole import light
-from aureole.glare.eye import Eye
+from aureole.glare.eye import Eye, EyeState
 from aureole.glare.eye_pixels import RIGHT_ANGLE, Frame, add_wave, radial_energies
-from aureole.glare.eye_wave import View, Wave, fade_share
+from aureole.glare.eye_wave import View, Wave, fade_share, wave_of
 from aureole.glare.veil import cie_135, hemisphere_energy
-from aureole.records import Spectrum
+from aureole.records import Aperture, Spectrum
 
 WAVELENGTHS = 32
 SHORTEST, LONGEST, REFERENCE_WAVELENGTH = 380e-9, 770e-9, 575e-9
@@ -26,6 +27,8 @@ STEP, MOST_WAVELENGTHS = 1.5, 128
 # The raster is so much wider than the pupil; its pixels are between these sizes, in metres, by default.
 MARGIN, FINEST_PIXEL, COARSEST_PIXEL = 1.1, 1.95e-6, 3.9e-6
 BLOCK, SMALLEST_SIZE, LARGEST_SIZE = 64, 256, 4096
+# With a wavefront so many groups of wavelengths are transformed, of a raster of at most so many pixels.
+GROUPS, LARGEST_WITH_WAVEFRONT = 14, 2048
 VEIL_ANGLES = 600
 # Where the energy that is missing to the whole goes: about the axis, to all parts alike, or nowhere.
 RESTS = ("core", "all", "none")
@@ -79,13 +82,13 @@ class Veil:
         return self.strength * glare(angle) / hemisphere_energy(glare)
 
 
-def raster_size(pupil_diameter: float, frame: Frame) -> int:
+def raster_size(state: EyeState, frame: Frame) -> int:
     """Return how many pixels a side the amplitude on the pupil should have.
 
     Parameters
     ----------
-    pupil_diameter : float
-        Metres.
+    state : EyeState
+        The eye.
     frame : Frame
         What is looked at.
 
@@ -96,28 +99,10 @@ def raster_size(pupil_diameter: float, frame: Frame) -> int:
     """
     frequency = math.sin(frame.farthest) / SHORTEST
     pixel = min(max(FINEST_PIXEL, 0.25 / frequency), COARSEST_PIXEL)
-    blocks = math.ceil(MARGIN * pupil_diameter / pixel / BLOCK)
+    blocks = math.ceil(MARGIN * state.pupil_diameter / pixel / BLOCK)
     size = BLOCK * int(fft.next_fast_len(blocks, real=True))
-    return min(max(size, SMALLEST_SIZE), LARGEST_SIZE)
-
-
-def view_of(frame: Frame, tail: bool) -> View:
-    """Return which frequencies a frame's pixels look at.
-
-    Parameters
-    ----------
-    frame : Frame
-        The pixels.
-    tail : bool
-        Whether the veil follows where the wave ends.
-
-    Returns
-    -------
-    View
-        Of all visible wavelengths.
-    """
-    farthest = math.sin(frame.farthest) / SHORTEST
-    return View(farthest, frame.step / REFERENCE_WAVELENGTH, tail)
+    largest = LARGEST_WITH_WAVEFRONT if state.eye.defocus or state.eye.zernike else LARGEST_SIZE
+    return min(max(size, SMALLEST_SIZE), largest)
 
 
 def lamp_of(spectrum: Spectrum | None, colour_space: str, frame: Frame, wavelengths: int) -> Lamp:
@@ -150,13 +135,17 @@ def lamp_of(spectrum: Spectrum | None, colour_space: str, frame: Frame, waveleng
     return Lamp(places, weights)
 
 
-def developed(wave: Wave, frame: Frame, lamp: Lamp, veil: Veil | None, rest: str) -> NDArray[np.float32]:
-    """Return a wave's energy in each pixel, with the veil beyond its reach.
+def pattern_of(
+    opening: Aperture, energy: float, frame: Frame, lamp: Lamp, veil: Veil | None, rest: str, fades: bool
+) -> NDArray[np.float32]:
+    """Return the energy that an opening sends into each pixel, with the veil beyond the wave's reach.
 
     Parameters
     ----------
-    wave : Wave
-        Behind the pupil.
+    opening : Aperture
+        A raster. With a wavefront, groups of wavelengths are transformed by themselves.
+    energy : float
+        What it lets through, square metres.
     frame : Frame
         The pixels.
     lamp : Lamp
@@ -164,13 +153,42 @@ def developed(wave: Wave, frame: Frame, lamp: Lamp, veil: Veil | None, rest: str
     veil : Veil or None
         What follows where the wave fades; None for the wave alone.
     rest : str
-        One of `RESTS`: where each wavelength's energy is made 1 over the hemisphere.
+        One of `RESTS`: where each wavelength's energy is made 1 over the hemisphere. With a wavefront there
+        is no core, and "core" is "all".
+    fades : bool
+        Whether the wave fades before the raster's last frequency.
 
     Returns
     -------
     ndarray of float32, shape (rows, columns, 3)
         Energy of each pixel.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the raster cannot serve.
     """
+    view = _view(frame, fades)
+    if opening.wavefront is None:
+        return _developed(wave_of(opening, energy, view), frame, lamp, veil, rest)
+    pixels = np.zeros((*frame.shape, 3), dtype=np.float32)
+    for part, wavelength in _groups(lamp):
+        wave = wave_of(opening, energy, view, wavelength)
+        pixels += _developed(wave, frame, part, veil, "all" if rest == "core" else rest)
+    return pixels
+
+
+def _groups(lamp: Lamp) -> Iterator[tuple[Lamp, float]]:
+    """Divide a light into few groups of neighbouring wavelengths, and name the middle of each."""
+    count = min(len(lamp.wavelengths), GROUPS)
+    for chosen in np.array_split(np.arange(len(lamp.wavelengths)), count):
+        weight = np.abs(lamp.weights[chosen]).sum(axis=1)
+        middle = float(np.average(lamp.wavelengths[chosen], weights=weight))
+        yield Lamp(lamp.wavelengths[chosen], lamp.weights[chosen]), middle
+
+
+def _developed(wave: Wave, frame: Frame, lamp: Lamp, veil: Veil | None, rest: str) -> NDArray[np.float32]:
+    """Integrate a wave over pixels and wavelengths, and add the veil."""
     pixels = np.zeros((*frame.shape, 3), dtype=np.float32)
     ones = np.ones(len(lamp.wavelengths))
     angles, beyond, energies = _beyond(wave, lamp, veil)
@@ -186,6 +204,11 @@ def developed(wave: Wave, frame: Frame, lamp: Lamp, veil: Veil | None, rest: str
     if veil is not None:
         pixels += radial_energies(frame, angles, beyond @ weights)
     return pixels
+
+
+def _view(frame: Frame, fades: bool) -> View:
+    """Return which frequencies a frame's pixels look at, at all visible wavelengths."""
+    return View(math.sin(frame.farthest) / SHORTEST, frame.step / REFERENCE_WAVELENGTH, fades)
 
 
 def _beyond(

@@ -14,19 +14,18 @@ from numpy.typing import NDArray
 
 from aureole import light, refuse
 from aureole.glare.eye import EyeState
-from aureole.glare.eye_components import combined, component_psfs, whole_amplitude
+from aureole.glare.eye_components import combined, component_psfs, whole_opening
 from aureole.glare.eye_pattern import (
     MARGIN,
     REFERENCE_WAVELENGTH,
     WAVELENGTHS,
     Veil,
-    developed,
     lamp_of,
+    pattern_of,
     raster_size,
-    view_of,
 )
 from aureole.glare.eye_pixels import Frame
-from aureole.glare.eye_wave import FADE_START, wave_of
+from aureole.glare.eye_wave import FADE_START
 from aureole.glare.kernel import nonnegative
 from aureole.records import Picture, Spectrum, Stage
 
@@ -166,7 +165,7 @@ def eye_psf_stages(
     refuse.at_least("wavelengths", wavelengths, 1)
     if weights is not None and combine != "thesis":
         raise refuse.Refusal("'weights' belong to combine 'thesis'; a coherent pattern has none.")
-    many = raster_size(state.pupil_diameter, frame) if size is None else refuse.at_least("size", size, 16)
+    many = raster_size(state, frame) if size is None else refuse.at_least("size", size, 16)
     yield Stage(0.0, "parts of the eye")
     if combine == "thesis":
         psfs = component_psfs(
@@ -175,15 +174,12 @@ def eye_psf_stages(
         pixels = combined(psfs, weights)
     else:
         width = MARGIN * state.pupil_diameter
-        amplitude, energy = whole_amplitude(state, many, width, source)
+        opening, energy = whole_opening(state, many, width, source)
         yield Stage(0.4, "diffraction in the eye")
-        lamp = lamp_of(spectrum, colour_space, frame, wavelengths)
         if energy > 0:
-            wave = wave_of(amplitude, width, energy, view_of(frame, tail))
-            del amplitude
-            yield Stage(0.7, "wavelengths")
+            lamp = lamp_of(spectrum, colour_space, frame, wavelengths)
             veil = Veil.of(state.eye) if tail else None
-            pixels = developed(wave, frame, lamp, veil, "core" if tail else "none")
+            pixels = pattern_of(opening, energy, frame, lamp, veil, "core" if tail else "none", tail)
         else:
             pixels = _in_one_pixel(frame)
     psf = nonnegative(Picture(pixels, colour_space))

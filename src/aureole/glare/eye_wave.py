@@ -26,8 +26,9 @@ from aureole.records import Aperture, Grid
 FADE_START, FADE_END = 0.6, 0.96
 # About the axis the lattice is this much finer, out to a frequency in cycles per metre (0.05° at 575 nm).
 FINER, CORE = 7, 1520.0
-# Pixels of fewer cells than this get a finer lattice farther out, of at most so many samples a side.
-FEWEST_CELLS, MOST_FINE = 2.0, 3000
+# Pixels of fewer cells than this get a finer lattice farther out, of at most so many samples a side (with
+# a wavefront), as long as it is finer by this.
+FEWEST_CELLS, MOST_FINE, MOST_FINE_COMPLEX, FINEST_OVER = 2.0, 3000, 800, 3
 # A coarser raster does where frequencies stay below this part of half a cycle of its pixels.
 LOW_FREQUENCIES, MOST_JOINED = 0.12, 16
 # Rows are shared out among processors in so many bands.
@@ -110,28 +111,18 @@ class View:
     fades: bool = True
 
 
-def wave_of(
-    amplitude: NDArray[np.float32],
-    width: float,
-    energy: float,
-    view: View,
-    path: NDArray[np.float32] | None = None,
-    wavelength: float | None = None,
-) -> Wave:
-    """Transform an amplitude.
+def wave_of(opening: Aperture, energy: float, view: View, wavelength: float | None = None) -> Wave:
+    """Transform what an opening lets through.
 
     Parameters
     ----------
-    amplitude : ndarray of float32, shape (n, n)
-        Of pixels that tile the square, each the mean over itself; n even.
-    width : float
-        Side of the square, metres.
+    opening : Aperture
+        A raster of n × n pixels, n even, each the mean over itself. Without a wavefront P(−f) = P(f), and
+        levels hold half of the plane.
     energy : float
         ∬ amplitude² of what the pixels are the means of, square metres.
     view : View
         What of the pattern will be looked at.
-    path : ndarray of float32, shape (n, n), optional
-        Wavefront, metres of optical path; without it P(−f) = P(f), and levels hold half of the plane.
     wavelength : float, optional
         Metres; a wavefront needs it.
 
@@ -145,7 +136,8 @@ def wave_of(
     refuse.Refusal
         Where the size is odd, or the wavefront too steep for the pixels.
     """
-    size = len(amplitude)
+    assert opening.mask is not None
+    size, width = len(opening.mask), opening.width
     if size % 2:
         raise refuse.Refusal(f"'size' must be even, got {size}.")
     pixel, spacing = width / size, 1 / width
@@ -155,8 +147,8 @@ def wave_of(
     last = size // 2 - 1
     reach = last if view.fades else min(math.ceil(min(view.farthest, nyquist) * width) + 1, last)
     inner = min(math.ceil(CORE * width), reach)
-    finer, middle = _finer(view, width, inner, reach)
-    opening = Aperture(width, mask=amplitude, wavefront=path)
+    most = MOST_FINE if opening.wavefront is None else MOST_FINE_COMPLEX
+    finer, middle = _finer(view, width, inner, reach, most)
     fine = _Lattice.of(opening, ((2 * middle + 1) * finer) // 2, spacing / finer, wavelength)
     core = fine.cropped(((2 * inner + 1) * finer) // 2)
     levels = [core.level(energy, 0.0, fade, is_core=True)]
@@ -208,18 +200,18 @@ def fade_share(frequencies: NDArray[np.float64], fade: tuple[float, float]) -> N
     return np.asarray(t * t * (3 - 2 * t))
 
 
-def _finer(view: View, width: float, inner: int, reach: int) -> tuple[int, int]:
+def _finer(view: View, width: float, inner: int, reach: int, most: int) -> tuple[int, int]:
     """Return how much finer the lattice is about the axis, and how many cells of the other it replaces."""
     cells = view.finest * width
     if cells >= FEWEST_CELLS:
         return FINER, inner
     # Pixels of less than a fringe want samples within them, all over.
     finer = max(FINER, 4 * math.ceil(1 / cells) + 1)
-    finer = min(finer, 2 * (MOST_FINE // (4 * inner + 2)) + 1)
+    finer = max(FINER, min(finer, 2 * (most // (4 * inner + 2)) + 1))
     wanted = min(math.ceil(view.farthest * width) + 1, reach)
-    while finer > 3 and (2 * wanted + 1) * finer > MOST_FINE:
+    while finer > FINEST_OVER and (2 * wanted + 1) * finer > most:
         finer -= 2
-    return finer, max(inner, min(wanted, (MOST_FINE // finer - 1) // 2))
+    return finer, max(inner, min(wanted, (most // finer - 1) // 2))
 
 
 @dataclass(frozen=True, eq=False)
