@@ -182,7 +182,7 @@ def test_a_scratch_takes_the_area_that_it_covers():
     assert exact == pytest.approx(2 / 3 * 0.3 * 0.015, rel=1e-2)
     for size in (16, 50):
         mask = np.ones((size, size))
-        darken(mask, points * size + size / 2, aperture.orientation(ring), 0.5)
+        darken(mask, points * size + size / 2, 0.5)
         assert 1 - mask.mean() == pytest.approx(0.5 * exact, rel=1e-6)
 
 

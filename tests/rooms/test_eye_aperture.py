@@ -218,6 +218,15 @@ def test_lashes_cover_their_own_area_and_taper():
     )
 
 
+def test_a_small_square_shows_the_middle_of_a_larger_one():
+    shadows = aperture.lashes(6, 0.5, 80e-6, 0.5, 4, (0.0, 1e-3), (0.0, 1.5e-3))
+    for pixels in (20, 60, 150):
+        middle = aperture.lash_coverage(shadows, pixels, pixels * 30e-6)
+        whole = aperture.lash_coverage(shadows, pixels + 300, (pixels + 300) * 30e-6)
+        np.testing.assert_allclose(middle, whole[150:-150, 150:-150], atol=1e-6)
+        assert middle.any()
+
+
 def test_lashes_without_spread_stand_upright_on_the_margin():
     for opening in (0.2, 1.0):
         curvature = aperture.lids(opening).upper[1]

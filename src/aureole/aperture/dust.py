@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from aureole import refuse
 from aureole.aperture import _kernels_noise
 from aureole.aperture.chances import bits, uniform
-from aureole.aperture.geometry import chords, orientation
+from aureole.aperture.geometry import chords
 from aureole.aperture.masks import CHORD_TOLERANCE, darken, rasterize
 from aureole.records import Aperture, Outline
 
@@ -146,7 +146,7 @@ def scratches(
     for chance in chances:
         ring = _scratch(chance, aperture.width, length, width, bend)
         points = chords(ring, CHORD_TOLERANCE * aperture.width / size) * (size / aperture.width) + size / 2
-        darken(mask, points, orientation(ring), opacity * (1 + chance[6]) / 2)
+        darken(mask, points, opacity * (1 + chance[6]) / 2)
     return _seen_through(aperture, mask, "scratches")
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from aureole import refuse
 from aureole.aperture.chances import uniform
-from aureole.aperture.geometry import chords, orientation
+from aureole.aperture.geometry import chords
 from aureole.aperture.masks import CHORD_TOLERANCE, darken
 from aureole.records import Outline
 
@@ -198,8 +198,12 @@ def lash_coverage(shadows: Sequence[Outline], size: int, width: float) -> NDArra
     pixel = refuse.positive("width", width) / size
     free = np.ones((size, size), dtype=np.float32)
     for ring in shadows:
-        points = chords(ring, CHORD_TOLERANCE * pixel) / pixel + size / 2
-        darken(free, points, orientation(ring))
+        # An arc rises above its chord by half of the bulge times the chord's length.
+        rise = np.abs(ring.bulges).max() * np.ptp(ring.vertices, axis=0).sum() / 2
+        low, high = ring.vertices.min(axis=0) - rise, ring.vertices.max(axis=0) + rise
+        if max(low.max(), -high.min()) > width / 2:
+            continue
+        darken(free, chords(ring, CHORD_TOLERANCE * pixel) / pixel + size / 2)
     return np.subtract(1, free, out=free)
 
 

@@ -118,9 +118,7 @@ def rasterize(aperture: Aperture, size: int) -> NDArray[np.float32]:
     return np.minimum(total, 1).astype(np.float32)
 
 
-def darken(
-    mask: NDArray[np.floating], points: NDArray[np.float64], sign: float, opacity: float = 1.0
-) -> None:
+def darken(mask: NDArray[np.floating], points: NDArray[np.float64], opacity: float = 1.0) -> None:
     """Take a ring's coverage times its opacity off a mask, in place, where the ring lies.
 
     Parameters
@@ -128,9 +126,7 @@ def darken(
     mask : ndarray, shape (rows, columns)
         Multiplied by 1 − opacity · covered part.
     points : ndarray of float64, shape (V, 2)
-        The ring's corners (x, y) in pixels from the mask's top left corner.
-    sign : float
-        `orientation` of the ring.
+        The ring's corners (x, y) in pixels from the mask's top left corner, turning either way.
     opacity : float
         Amplitude that it takes away, 0 to 1.
     """
@@ -141,6 +137,8 @@ def darken(
         return
     coverage = np.zeros((bottom - top, right - left + 2))
     _kernels.accumulate_edges(np.ascontiguousarray(points - [left, top]), coverage)
+    after = np.roll(points, -1, axis=0)
+    sign = np.sign(np.sum(points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0]))
     covered = np.clip(sign * np.cumsum(coverage, axis=1)[:, :-2], 0, 1)
     mask[top:bottom, left:right] *= 1 - opacity * covered
 
