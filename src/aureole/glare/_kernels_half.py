@@ -33,29 +33,41 @@ def double(boxes, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True)
+def _above(strength, ground, top, left, side):  # type: ignore[no-untyped-def]
+    """Add up what a square's pixels have above the ground."""
+    total = 0.0
+    for y in range(max(top, 0), min(top + side, strength.shape[0])):
+        for x in range(max(left, 0), min(left + side, strength.shape[1])):
+            total += strength[y, x] - ground
+    return total
+
+
+@njit(cache=True, nogil=True)
 def lumps(strength, size, whole, ring):  # type: ignore[no-untyped-def]
-    """Find windows that hold more than if they were as bright as the brightest pixel of their ring."""
+    """Find pixels above their ring whose light fits a square one pixel wider than the size."""
     rows, columns = strength.shape
-    count, reach = (2 * size + 1) ** 2, size + 1
+    reach = size + 1
     for i in range(rows):
         for j in range(columns):
             # Most pixels are told by the first one or two of the ring around them.
-            own, brightest = strength[i, j], strength.dtype.type(0)
+            own, ground = strength[i, j], strength.dtype.type(0)
             for y in range(max(i - reach, 0), min(i + reach + 1, rows)):
                 step = 1 if abs(y - i) == reach else 2 * reach
                 for x in range(j - reach, j + reach + 1, step):
                     if 0 <= x < columns:
-                        brightest = max(brightest, strength[y, x])
-                if brightest >= own:
+                        ground = max(ground, strength[y, x])
+                if ground >= own:
                     break
-            if brightest >= own:
+            if ground >= own:
                 continue
-            held = 0.0
-            for y in range(max(i - size, 0), min(i + size + 1, rows)):
-                for x in range(max(j - size, 0), min(j + size + 1, columns)):
-                    held += strength[y, x]
-            if held > brightest * count:
-                whole[i, j], ring[i, j] = held - brightest * count, brightest
+            densest = 0.0
+            for top in range(i - size, i + 1):
+                for left in range(j - size, j + 1):
+                    densest = max(densest, _above(strength, ground, top, left, size + 1))
+            # What lies about the square counts against it.
+            lump = 2 * densest - _above(strength, ground, i - size, j - size, 2 * size + 1)
+            if lump > 0:
+                whole[i, j], ring[i, j] = min(lump, densest), ground
 
 
 @njit(cache=True, nogil=True)

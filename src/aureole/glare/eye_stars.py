@@ -21,17 +21,17 @@ def lumps(strength: NDArray[np.floating], size: int = 1) -> tuple[NDArray[np.flo
     strength : ndarray, shape (rows, columns)
         Luminance, or any other measure of light.
     size : int
-        Width of the widest lump in pixels. At any fraction of a pixel it fits a window of 2·size + 1
-        pixels about each pixel that it lights.
+        Width in pixels of the lumps that are sought. At any fraction of a pixel such a lump fits a square
+        of size + 1 pixels.
 
     Returns
     -------
     whole : ndarray of float32, shape (rows, columns)
-        Sum of the window less what it would hold if it were as bright as the brightest pixel of the ring
-        around it; zero where that is more, and for pixels that are not brighter than their ring.
+        What the densest such square that holds the pixel has above its ground, less what the pixels about
+        the square have; zero where that is more, and for pixels that are not above their ground.
     ring : ndarray of float32, shape (rows, columns)
-        The brightest pixel of the ring, the ground that the lump stands on; zero where there is none.
-        What pixels have above it adds up to `whole` where the ground is even.
+        The ground: the brightest pixel of the square ring at size + 1 pixels about the pixel; zero where
+        there is no lump.
 
     Raises
     ------

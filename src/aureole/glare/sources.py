@@ -33,8 +33,8 @@ def above_knee(
         so its hue stays. "thesis": each channel has the threshold to itself (Eq. 3.2), which turns an
         orange light red where only its red is above; for comparison.
     star_size : int
-        Width in pixels of the largest source that is measured whole (`aureole.glare.lumps`), so
-        that it does not flicker as it moves by fractions of a pixel; 0 measures single pixels.
+        Width in pixels of small sources that are measured whole (`aureole.glare.lumps`), so that they
+        do not flicker as they move by fractions of a pixel; 0 measures single pixels.
 
     Returns
     -------
@@ -57,10 +57,11 @@ def above_knee(
     above = _over(strength, threshold, knee)
     if refuse.at_least("star_size", star_size, 0):
         whole, ring = lumps(strength, star_size)
-        # What the whole lump has above the knee more than its ground, shared out over its pixels.
+        # As bright as the whole lump is where it covers its own width, so is each of its pixels taken.
+        level = whole / np.float32(star_size**2)
         ground = _over(np.minimum(ring, strength), threshold, knee)
-        gained = _over(ring + whole, threshold, knee) - _over(ring, threshold, knee)
-        slope = np.divide(gained, whole, out=np.zeros_like(whole), where=whole > 0)
+        gained = _over(ring + level, threshold, knee) - _over(ring, threshold, knee)
+        slope = np.divide(gained, level, out=np.zeros_like(level), where=level > 0)
         above = np.maximum(above, ground + slope * np.maximum(strength - ring, 0))
     share = np.divide(above, strength, out=np.zeros_like(above), where=strength > 0)
     return np.asarray(colour * share[..., None], dtype=np.float32)
