@@ -26,6 +26,9 @@ tile_tables         its Tables 2 to 8 as printed, and their columns
 tile_systems        its lenses, lights and grids of rays
 tile_measures       one lens with one light or two
 tile_whole          whole pictures against fine grids
+eye               the eye thesis's bench, and which of these belongs to it:
+eye_frames          its Figures 4.1 and 4.2, and its memory
+eye_patterns        patterns from scratch, their sum, and CIE 135
 flare_peers       other ray tracers on the ways of ghosts
 lens_rays         rays through a lens as a peer takes them
 optics            a far-field and a near-field problem as a peer takes them
@@ -36,6 +39,7 @@ timing            runs in turn, medians, the environment
 report            tables and reports
 """
 
+from aureole.bench.eye import EyeBench, run_eye
 from aureole.bench.flare_peers import FlarePeersBench, run_flare_peers
 from aureole.bench.near_field import NearFieldBench, run_near_field
 from aureole.bench.peers import PeersBench, run_peers
@@ -45,6 +49,7 @@ from aureole.bench.tile_paper import TilePaperBench, run_tile_paper
 
 __all__ = [
     "Column",
+    "EyeBench",
     "FlarePeersBench",
     "NearFieldBench",
     "PeersBench",
@@ -53,6 +58,7 @@ __all__ = [
     "Table",
     "TilePaperBench",
     "plain",
+    "run_eye",
     "run_flare_peers",
     "run_near_field",
     "run_peers",

@@ -156,6 +156,29 @@ def flare_peers(
     _run(bench.run_flare_peers(bench.FlarePeersBench(side, runs)), out, as_json)
 
 
+@app.command()
+def eye(
+    runs: Runs = 9,
+    quick: Annotated[bool, typer.Option("--quick", help="A small picture, a coarse pupil, one run.")] = False,
+    only: Only = None,
+    out: Results = None,
+    as_json: options.Json = False,
+) -> None:
+    """Figures 4.1 and 4.2 and the memory of the eye thesis, and the eye's veil beside CIE 135.
+
+    J. Delavennat, "Physically-based Real-time Glare", 2021; its times are a GeForce GTX 1050 Ti's. All takes
+    some minutes, most of them for flipbooks. Names for --only: figure-4-1, figure-4-2, memory, fresh, sum,
+    veil.
+
+    Examples:
+
+        aureole bench eye --quick
+
+        aureole bench eye --only veil,sum -o eye.json
+    """
+    _run(bench.run_eye(bench.EyeBench(runs, quick, _names(only))), out, as_json)
+
+
 def _names(only: str | None) -> tuple[str, ...]:
     return () if only is None else tuple(name.strip().lower() for name in only.split(","))
 

@@ -1,7 +1,7 @@
 """The pupil: how wide it stands at a luminance, and how it trembles (hippus).
 
 The mean diameter is that of A. B. Watson and J. I. Yellott, "A unified formula for light-adapted pupil
-size", J. Vision 12(10):12, 2012. T. Ritschel et al., "Temporal Glare", 2009, whose formulas A. Delavennat's
+size", J. Vision 12(10):12, 2012. T. Ritschel et al., "Temporal Glare", 2009, whose formulas J. Delavennat's
 thesis (2021) repeats as Eq. 2.13 and 2.14, serves the preset of their name.
 """
 
