@@ -74,8 +74,8 @@ def fibres(
     refuse.Refusal
         Where a number is outside its range, or there is not exactly one of width and count.
     """
-    inner, outer = refuse.positive("annulus's inner radius", annulus[0]), annulus[1]
-    if refuse.positive("annulus's outer radius", outer) <= inner:
+    inner, outer = refuse.positive("inner radius of the annulus", annulus[0]), annulus[1]
+    if refuse.positive("outer radius of the annulus", outer) <= inner:
         raise refuse.Refusal(f"'annulus' must have an outer radius above {inner:g} m, got {outer:g} m.")
     if (width is None) == (count is None):
         raise refuse.Refusal("fibres need either a 'width' or a 'count'.")
