@@ -3,12 +3,13 @@
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from eye_patterns import NODES, SHARES, lights, patterns
 
-from aureole import refuse
+from aureole import glare, refuse
 from aureole.glare import (
     FRAMES,
     Eye,
@@ -78,6 +79,27 @@ def test_motion_is_continuous(flipbooks):
     steps = np.abs(np.diff(found, axis=0)).mean(axis=(1, 2, 3))
     whole = np.abs(found[0] - found[60]).mean()
     assert steps.max() < 2.5 * whole / 50
+
+
+def test_closed_lids_let_nothing_through_and_open_ones_nearly_all(flipbooks):
+    shares = [flipbooks.open_share(replace(STATE, lid_opening=lids)) for lids in np.linspace(0, 1, 21)]
+    assert shares[0] == 0
+    assert all(b >= a for a, b in pairwise(shares))
+    assert shares[-1] > 0.98
+    # Between nodes, too, it is what is measured on the parts themselves.
+    half = replace(STATE, lid_opening=0.38, pupil_diameter=3e-3)
+    assert flipbooks.open_share(half) == pytest.approx(glare.open_share(half), abs=0.03)
+
+
+def test_the_halo_starts_where_the_pupil_reaches_the_fibres():
+    make = patterns(SHAPE)
+    few = {name: axes for name, axes in NODES.items() if name != "halo"}
+    for annulus in ((1.5e-3, 3e-3), (2.25e-3, 4e-3)):
+        found = make_flipbooks(Eye(fibre_annulus=annulus), SHAPE, FIELD, frames=few, patterns=make)
+        ((axis, nodes),) = found.books["halo"].axes
+        assert axis == "pupil_diameter"
+        assert nodes[0] == pytest.approx(2 * annulus[0])
+        assert nodes[-1] == 8e-3
 
 
 def test_the_default_frames_of_the_thesis_window_fit_in_400_megabytes():

@@ -13,6 +13,7 @@ The middle pixel of each frame is left out: what it holds stays in its pixel any
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise, product
 from typing import Any
 
@@ -28,6 +29,7 @@ from aureole.records import Stage
 
 Patterns = Callable[[str, EyeState], tuple[NDArray[np.floating], float]]
 Nodes = int | Sequence[float]
+Axes = tuple[tuple[str, tuple[float, ...]], ...]
 
 SIZE = 2048
 # Where the nodes of an axis lie that is given by their number only, metres and radians.
@@ -39,10 +41,15 @@ RANGES = {
 }
 FRAMES: dict[str, dict[str, Nodes]] = {
     "bloom": {"pupil_diameter": 4, "lid_opening": 4},
-    "halo": {"pupil_diameter": (4.5e-3, 5e-3, 5.5e-3, 6e-3, 6.5e-3, 7e-3, 7.5e-3, 8e-3)},
+    "halo": {"pupil_diameter": 8},
     "corona": {"pupil_diameter": 7, "vitreous_angle": 3},
     "streaks": {"pupil_diameter": 3, "lid_opening": 5},
 }
+# Where it is measured how much light the lids let through.
+OPENING = (
+    ("pupil_diameter", (2.5e-3, 7e-3)),
+    ("lid_opening", (0.0, 0.1, 0.2, 0.3, 0.4, 0.55, 0.75, 1.0)),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +66,7 @@ class Flipbook:
         Share of the light that the component scatters, at each node.
     """
 
-    axes: tuple[tuple[str, tuple[float, ...]], ...]
+    axes: Axes
     first: int
     shares: NDArray[np.float64]
 
@@ -245,19 +252,16 @@ def make_flipbooks_stages(
     refuse.Refusal
         As in `make_flipbooks`.
     """
-    books, count = _empty_books(frames or {})
-    opening = Flipbook(books["streaks"].axes, 0, books["streaks"].shares.copy())
+    books, count = _empty_books(eye, frames or {})
+    lids = eye.seed, eye.lashes, eye.lash_spread, eye.lash_width, eye.lash_distance
+    opening = Flipbook(OPENING, 0, np.array(_open_shares(*lids)))
     found = GlareFrames.empty(shape, field_of_view, resolution, count, is_even(eye))
     if patterns is None:
         patterns = eye_patterns(shape, field_of_view, resolution, colour_space, size)
     for name, book in books.items():
-        for place, nodes in enumerate(product(*(nodes for _, nodes in book.axes))):
-            changes: dict[str, Any] = dict(zip((axis for axis, _ in book.axes), nodes, strict=True))
-            state = replace(EyeState(eye), **changes)
+        for place, state in enumerate(_states(eye, book.axes)):
             pattern, book.shares[place] = patterns(name, state)
             found.put(book.first + place, pattern)
-            if name == "streaks":
-                opening.shares[place] = open_share(state)
             yield Stage((book.first + place + 1) / (count + 1), f"{name} {place + 1} of {len(book.shares)}")
     yield Stage(1.0, "flipbooks", Flipbooks(eye, colour_space, books, found, opening))
 
@@ -322,30 +326,46 @@ def is_even(eye: Eye) -> bool:
     return eye.defocus == 0 and not any(eye.zernike.values())
 
 
-def _empty_books(frames: Mapping[str, Mapping[str, Nodes]]) -> tuple[dict[str, Flipbook], int]:
+def _states(eye: Eye, axes: Axes) -> Iterator[EyeState]:
+    """Yield an eye's states at all nodes, in C order."""
+    for nodes in product(*(nodes for _, nodes in axes)):
+        changes: dict[str, Any] = dict(zip((axis for axis, _ in axes), nodes, strict=True))
+        yield replace(EyeState(eye), **changes)
+
+
+@lru_cache(maxsize=8)
+def _open_shares(seed: int, lashes: int, spread: float, width: float, distance: float) -> tuple[float, ...]:
+    """Measure how much light lids and lashes let through; nothing else of the eye counts."""
+    eye = Eye(seed=seed, lashes=lashes, lash_spread=spread, lash_width=width, lash_distance=distance)
+    return tuple(open_share(state, size=128) for state in _states(eye, OPENING))
+
+
+def _empty_books(eye: Eye, frames: Mapping[str, Mapping[str, Nodes]]) -> tuple[dict[str, Flipbook], int]:
     """Lay out the nodes of all components; return them and the number of frames."""
     for name in frames:
         refuse.one_of("frames", name, COMPONENTS)
     books, first = {}, 0
     for name in COMPONENTS:
-        axes = tuple(
-            (axis, _nodes(axis, nodes)) for axis, nodes in (frames.get(name) or FRAMES[name]).items()
-        )
+        # A pupil that does not reach the fibres has no halo.
+        least = 2 * eye.fibre_annulus[0] if name == "halo" else 0.0
+        wanted = frames.get(name) or FRAMES[name]
+        axes = tuple((axis, _nodes(axis, nodes, least)) for axis, nodes in wanted.items())
         count = math.prod(len(nodes) for _, nodes in axes)
         books[name] = Flipbook(axes, first, np.ones(count))
         first += count
     return books, first
 
 
-def _nodes(axis: str, nodes: Nodes) -> tuple[float, ...]:
+def _nodes(axis: str, nodes: Nodes, least: float) -> tuple[float, ...]:
     """Return an axis's nodes: those given, or so many over its range, diameters at equal ratios."""
     low, high = RANGES[refuse.one_of("axis of 'frames'", axis, RANGES)]
     if isinstance(nodes, int):
         count = refuse.at_least(f"nodes of '{axis}'", nodes, 1)
         if count == 1:
             return (float((low + high) / 2),)
-        spaced = np.geomspace if axis == "pupil_diameter" else np.linspace
-        return tuple(spaced(low, high, count).tolist())
+        if axis == "pupil_diameter":
+            return tuple(np.geomspace(min(max(low, least), 0.9 * high), high, count).tolist())
+        return tuple(np.linspace(low, high, count).tolist())
     given = tuple(refuse.finite(f"node of '{axis}'", node) for node in nodes)
     if not given or any(b <= a for a, b in pairwise(given)):
         raise refuse.Refusal(f"nodes of '{axis}' must rise, got {', '.join(f'{node:g}' for node in given)}.")

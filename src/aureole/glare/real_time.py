@@ -7,7 +7,8 @@ from a pixel (all that it spreads, or what of that lands on the frame), d what t
 from flipbooks, or from a wave computed afresh for each picture: `RealTimeGlare` takes either.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,8 @@ GlareSource = Flipbooks | FreshGlare
 
 class RealTimeGlare:
     """Lay a moving eye's glare over pictures of one size; buffers are kept from picture to picture.
+
+    They serve one picture at a time.
 
     Parameters
     ----------
@@ -109,24 +112,53 @@ class RealTimeGlare:
         refuse.Refusal
             Where the picture has another shape, or holds NaN or infinity.
         """
-        shape = (*self.source.frames.shape, 3)
-        given = refuse.all_finite("pixels", refuse.shape_of("pixels", pixels, shape))
+        result = np.empty((*self.source.frames.shape, 3), dtype=np.float32) if out is None else out
+        for _ in self._steps(pixels, state, result):
+            pass
+        return result
+
+    def step_seconds(self, pixels: Pixels, state: EyeState) -> dict[str, float]:
+        """Time the steps of one picture.
+
+        Parameters
+        ----------
+        pixels : ndarray of float32, shape (rows, columns, 3)
+            As for a call.
+        state : EyeState
+            The eye now.
+
+        Returns
+        -------
+        dict of str to float
+            Seconds, by step, in order.
+        """
+        out = np.empty((*self.source.frames.shape, 3), dtype=np.float32)
+        seconds, start = {}, perf_counter()
+        for name in self._steps(pixels, state, out):
+            now = perf_counter()
+            seconds[name], start = now - start, now
+        return seconds
+
+    def _steps(self, pixels: Pixels, state: EyeState, out: Pixels) -> Iterator[str]:
+        """Do all steps for one picture; yield the name of each when it is done."""
+        given = refuse.all_finite("pixels", refuse.shape_of("pixels", pixels, out.shape))
         picture = np.ascontiguousarray(given, dtype=np.float32).reshape(self._lit.shape)
-        result = np.empty(shape, dtype=np.float32) if out is None else out
         mix = self.source.mix(state)
+        yield "choosing frames"
         self._light_up(picture)
+        yield "weighing light"
         low = (*self.source.frames.kernels.shape, 3)
         lowest = 0.0 if float(self._low.min()) >= 0 else -np.inf
-        self._convolve(self._low.reshape(low), mix, self._glare.reshape(low), lowest)
-        less, more = (np.tile(factors, shape[1]) for factors in self._take(mix))
+        yield from self._convolve.steps(self._low.reshape(low), mix, self._glare.reshape(low), lowest)
+        less, more = (np.tile(factors, out.shape[1]) for factors in self._take(mix))
         dimming = np.float32(self.source.open_share(state) if self.dimming else 1)
-        rows = result.reshape(picture.shape)
+        rows = out.reshape(picture.shape)
         self._share_rows(
             lambda _, first, last: _kernels_real_time.lay(
                 picture, self._lit, self._glare, less, more, dimming, first, last, rows
             )
         )
-        return result
+        yield "laying over"
 
     def _light_up(self, picture: Pixels) -> None:
         """Find the light that makes glare, on the patterns' pixels."""

@@ -8,7 +8,7 @@ made. Kernels without their cores spread glare only, so that the error has nothi
 own light.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -145,6 +145,8 @@ class KernelMix:
 class MixedConvolver:
     """Convolve pictures with weighted sums of kept kernels, in buffers that are kept, too.
 
+    Its buffers serve one call at a time.
+
     Parameters
     ----------
     kernels : KernelMix
@@ -184,10 +186,41 @@ class MixedConvolver:
         ndarray of float32, shape of `pixels`
             Black outside the picture.
         """
+        result = np.empty_like(pixels, order="C") if out is None else out
+        for _ in self.steps(pixels, mix, result, lowest):
+            pass
+        return result
+
+    def steps(
+        self,
+        pixels: NDArray[np.float32],
+        mix: Iterable[tuple[int, float]],
+        out: NDArray[np.float32],
+        lowest: float = -np.inf,
+    ) -> Iterator[str]:
+        """Convolve one picture step by step.
+
+        Parameters
+        ----------
+        pixels : ndarray of float32, shape (rows, columns, channels)
+            As for a call.
+        mix : iterable of (int, float)
+            As for a call.
+        out : ndarray of float32, shape of `pixels`
+            As for a call.
+        lowest : float
+            As for a call.
+
+        Yields
+        ------
+        str
+            The step that is done: "rows forward", "columns and product", "rows back".
+        """
         kernels, channels = self.kernels, self.kernels.sums.shape[1]
         refuse.shape_of("pixels", pixels, (*kernels.shape, channels))
         chosen, weights, sums = self._weights(mix)
         self._torus.rows_down(pixels, (0, 0), self._halves)
+        yield "rows forward"
         rows = len(pixels)
 
         def multiply(item: tuple[int, int]) -> None:
@@ -202,9 +235,9 @@ class MixedConvolver:
 
         blocks = kernels.spectra.shape[2]
         share(multiply, [(c, b) for c in range(channels) for b in range(blocks)], self._torus.threads)
-        result = np.empty_like(pixels, order="C") if out is None else out
-        self._torus.rows_up(self._halves, np.float32(lowest), result)
-        return result
+        yield "columns and product"
+        self._torus.rows_up(self._halves, np.float32(lowest), out)
+        yield "rows back"
 
     def _weights(self, mix: Iterable[tuple[int, float]]) -> tuple[Any, Any, Any]:
         """Return places (k,), their weights (k,) and the sums (channels,), scaled for the way back up."""
