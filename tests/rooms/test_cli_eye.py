@@ -113,6 +113,16 @@ def test_one_wavelength_is_grey_and_kinds_of_eyes_differ(tmp_path, capsys):
             assert not np.allclose(pixels, kinds["plain"], rtol=1e-4, atol=1e-12), name
 
 
+def test_an_unsharp_eye_spreads_the_core(tmp_path, capsys):
+    out = tmp_path / "psf.exr"
+    words = ["eye", "--grid", "512", "--size", "65", "--field-of-view", "1deg", "-o", out, "--json"]
+    sharp = told(words, capsys)["energy_in_core_pixel"]
+    soft = told([*words, "--defocus", "0.5D"], capsys)["energy_in_core_pixel"]
+    coma = told([*words, "--zernike", "coma-x=200nm"], capsys)["energy_in_core_pixel"]
+    assert soft < 0.5 * sharp
+    assert coma < 0.9 * sharp
+
+
 def test_frames_are_numbered_kept_and_made_again(tmp_path, capsys):
     out, sheet = tmp_path / "psf.###.exr", tmp_path / "sheet.png"
     words = [*EYE, "--animate", "500ms", "--fps", "8", "-o", out, "--json"]

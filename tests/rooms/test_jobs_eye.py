@@ -157,19 +157,24 @@ def test_frames_that_are_done_are_not_made_but_for_a_sheet():
 
 
 def test_what_follows_frames_sees_each_in_its_order():
+    """It may depend on the frames before, so those that are done are made for it again."""
     seen = []
 
     def follow(picture):
         seen.append(float(picture.pixels.max()))
         return Picture(picture.pixels / 2)
 
-    def recall(number):
-        return Picture(np.full((8, 10, 3), 10 * number, np.float32))
+    def run(*done):
+        seen.clear()
+        frames = jobs.Frames(1.0, 4.0, is_done=lambda number, words: number in done)
+        _, came, _ = run_frames(frames, follow)
+        return [(frame.number, float(frame.picture.pixels.max()), frame.done) for frame in came]
 
-    frames = jobs.Frames(1.0, 4.0, is_done=lambda number, words: number == 2, recall=recall)
-    _, came, _ = run_frames(frames, follow)
-    assert seen == [1, 20, 3, 4]
-    assert [float(frame.picture.pixels.max()) for frame in came] == [0.5, 1.5, 2]
+    assert run() == [(1, 0.5, False), (2, 1.0, False), (3, 1.5, False), (4, 2.0, False)]
+    assert seen == [1, 2, 3, 4]
+    # The last frame is done and nobody follows it.
+    assert run(1, 4) == [(1, 0.5, True), (2, 1.0, False), (3, 1.5, False)]
+    assert run(1, 2, 3, 4) == []
 
 
 def test_an_animation_is_its_states_one_by_one():
@@ -198,6 +203,77 @@ def test_a_kernel_is_in_the_pictures_pixels(shape):
     assert result.psf.pixels.shape[:2] == (max(shape) | 1,) * 2
     np.testing.assert_allclose(result.report["sum_after"], result.report["sum_before"], rtol=1e-5)
     assert result.picture.pixels.shape == (*shape, 3)
+
+
+def animated(job, **how):
+    """Return the frames of an animation, and its result."""
+    frames, result = [], None
+    for stage in jobs.run(jobs.EyeGlareAnimationJob(job, **how)):
+        result = stage.result
+        frames += [result] if isinstance(result, jobs.EyeFrame) else []
+    return frames, result
+
+
+def test_flipbooks_show_nearly_what_each_frame_computed_for_itself_shows():
+    """Flipbooks add intensities of components at a few states; here glare is compared beyond the lamp."""
+    still = jobs.EyeGlareJob(scene(), dataclasses.replace(SMALL, grid=256), precision="single")
+    two = jobs.Frames(0.25, 8.0)
+    fresh, _ = animated(still, frames=two)
+    quick, result = animated(still, frames=two, real_time=True)
+    assert result.report["flipbooks_megabytes"] > 0
+    assert result.report["frames_made"] == 2
+    dark = still.picture.pixels[..., 1] < 1
+    for one, other in zip(fresh, quick, strict=True):
+        before, a, b = (p.pixels[dark] for p in (still.picture, one.picture, other.picture))
+        assert np.abs(b - a).sum() < 0.35 * (a - before).sum()
+        np.testing.assert_allclose(other.report["sum_after"], result.report["sum_before"], rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"mode": "scatter"},
+        {"patterns": 2},
+        {"tint": (1.0, 0.5, 0.5)},
+        {"matte": np.ones((24, 32))},
+        {"kernel_size": 33},
+        {"eye": dataclasses.replace(SMALL, combine="thesis")},
+        {"memory": 200_000},
+    ],
+    ids=lambda change: str([*change]),
+)
+def test_flipbooks_refuse_what_they_cannot_show(change):
+    still = dataclasses.replace(jobs.EyeGlareJob(scene(), SMALL), **change)
+    with pytest.raises(Refusal, match=r"real-time|memory"):
+        animated(still, frames=jobs.Frames(0.25, 8.0), real_time=True)
+
+
+def test_frames_that_would_flash_are_held_back():
+    """An eye that blinks eight times a second would make a white picture flash."""
+    white = Picture(np.ones((24, 32, 3), np.float32))
+    still = jobs.EyeGlareJob(white, dataclasses.replace(SMALL, viewer=jobs.Viewer(), grid=256))
+    blinking = Blinks(opened=(1.0, 0.0) * 12)
+    flashing = dataclasses.replace(still, eye=dataclasses.replace(still.eye, viewer=blinking))
+    plain, _ = animated(flashing, frames=jobs.Frames(1.0, 24.0))
+    safe, result = animated(flashing, frames=jobs.Frames(1.0, 24.0), photosafe=True, white=1.0)
+    assert glare.flashes([frame.picture.pixels.mean() for frame in plain], 24.0) > 10
+    assert glare.flashes([frame.picture.pixels.mean() for frame in safe], 24.0) <= 3
+    assert result.report["frames_held_back"] > 0
+    with pytest.raises(Refusal, match="'frames' does not go with 'photosafe'"):
+        animated(still, frames=jobs.Frames(1.0, 24.0, (1, 5)), photosafe=True)
+
+
+@dataclasses.dataclass(frozen=True)
+class Blinks(jobs.Viewer):
+    """A viewer whose lids are told frame by frame."""
+
+    opened: tuple[float, ...] = ()
+
+    def states(self, times):
+        found = jobs.Viewer(blinking=False).states(times)
+        if not self.blinking:
+            return found
+        return [dataclasses.replace(s, lid_opening=o) for s, o in zip(found, self.opened, strict=True)]
 
 
 def test_a_tile_keeps_the_mean_and_a_sheet_the_order():

@@ -17,6 +17,7 @@ from aureole.records import Aperture, Outline
 # Chords that stand for arcs where shapes are cut stray by this part of the aperture's width.
 CUT_TOLERANCE = 1e-7
 GAUSS_NODES = 12
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(GAUSS_NODES)
 # Corners that are as near as this, of the size, are one; longer rings are not searched for symmetry.
 SAME_PLACE, MOST_COMPARED = 1e-12, 512
 
@@ -139,14 +140,13 @@ def boundary_nodes(outline: Outline, panel_length: float) -> tuple[NDArray[np.fl
     steps : ndarray, shape (K, 2)
         Boundary element dp at each node times its weight, metres.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(GAUSS_NODES)
     points, steps = [], []
     for start, end, bulge in edges(outline):
         chord = end - start
         length = math.hypot(*chord) * _arc_over_chord(bulge)
         panels = max(1, math.ceil(length / panel_length))
-        where = ((np.arange(panels)[:, None] + (nodes + 1) / 2) / panels).ravel()
-        share = np.tile(weights / (2 * panels), panels)
+        where = ((np.arange(panels)[:, None] + (NODES + 1) / 2) / panels).ravel()
+        share = np.tile(WEIGHTS / (2 * panels), panels)
         if bulge == 0:
             points.append(start + where[:, None] * chord)
             steps.append(share[:, None] * chord)

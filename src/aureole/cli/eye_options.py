@@ -208,7 +208,7 @@ class OverFlags:
         Whether glare is computed on boxes of two by two pixels.
     patterns, stamps : optional
         How many patterns there are along the picture's width, and for lights by themselves.
-    photosafe, real_time : bool
+    photosafe, white, real_time : optional
         Of an animation.
     """
 
@@ -255,6 +255,15 @@ class OverFlags:
             rich_help_panel=OVER,
         ),
     ] = False
+    white: Annotated[
+        float | None,
+        typer.Option(
+            "--white",
+            help="For --photosafe: the picture's value that the screen shows as its brightest white; the "
+            "automatic exposure's unless given.",
+            rich_help_panel=OVER,
+        ),
+    ] = None
     real_time: Annotated[
         bool,
         typer.Option(

@@ -197,7 +197,7 @@ def over(asked: Over, moving: AnimationFlags, as_json: bool) -> None:
     if moving.wanted(asked.files.out):
         _over_frames(asked, moving, as_json)
         return
-    for name in ("photosafe", "real-time"):
+    for name in ("photosafe", "white", "real-time"):
         if name in given(asked.flags):
             raise refuse.Refusal(f"'{name}' is for frames; it needs --animate.")
     start, files = time.perf_counter(), asked.files
@@ -218,6 +218,8 @@ def _over_frames(asked: Over, moving: AnimationFlags, as_json: bool) -> None:
     for name in ("psf", "preview"):
         if getattr(asked.files, name) is not None:
             raise refuse.Refusal(f"'{name}' is for one picture; it does not go with 'animate'.")
+    if asked.flags.white is not None and not asked.flags.photosafe:
+        raise refuse.Refusal("'white' needs 'photosafe'.")
     start = time.perf_counter()
 
     def write(path: Path, frame: jobs.EyeFrame) -> None:
@@ -227,8 +229,9 @@ def _over_frames(asked: Over, moving: AnimationFlags, as_json: bool) -> None:
     files = FrameFiles(asked.files.out, moving, write)
     written = files.places()
     source = read(asked.files, asked.memory)
+    flags = asked.flags
     job = jobs.EyeGlareAnimationJob(
-        asked.job(source), files.frames(), asked.flags.photosafe, asked.flags.real_time
+        asked.job(source), files.frames(), flags.photosafe, flags.white, flags.real_time
     )
     result = files.follow(jobs.run(job))
     if moving.contact_sheet is not None:

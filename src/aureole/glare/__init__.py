@@ -60,7 +60,7 @@ from aureole.glare.eye_psf import eye_psf, eye_psf_stages
 from aureole.glare.eye_pupil import pupil_diameter, ritschel_diameter
 from aureole.glare.eye_spread import RESOLUTIONS
 from aureole.glare.eye_stars import compact_light, lumps
-from aureole.glare.flipbook import FRAMES, Flipbooks, make_flipbooks, make_flipbooks_stages
+from aureole.glare.flipbook import FRAMES, Flipbooks, eye_patterns, make_flipbooks, make_flipbooks_stages
 from aureole.glare.flipbook_error import FlipbookError, flipbook_error
 from aureole.glare.flipbook_files import load_flipbooks, save_flipbooks
 from aureole.glare.fresh_glare import FreshGlare
@@ -110,6 +110,7 @@ __all__ = [
     "eye_field",
     "eye_named",
     "eye_parts",
+    "eye_patterns",
     "eye_picture",
     "eye_prepare",
     "eye_psf",

@@ -25,7 +25,7 @@ from aureole.glare.eye import STANDARD, Eye, EyeState
 from aureole.glare.eye_aperture import COMPONENTS, open_share
 from aureole.glare.eye_components import component_psfs
 from aureole.glare.glare_frames import GlareFrames, pattern_field, pattern_shape
-from aureole.records import Stage
+from aureole.records import Spectrum, Stage
 
 Patterns = Callable[[str, EyeState], tuple[NDArray[np.floating], float]]
 Nodes = int | Sequence[float]
@@ -272,6 +272,7 @@ def eye_patterns(
     resolution: str = "full",
     colour_space: str = "rec709",
     size: int = SIZE,
+    spectrum: Spectrum | None = None,
 ) -> Patterns:
     """Return a function that computes the pattern of one component of an eye in a state.
 
@@ -287,6 +288,8 @@ def eye_patterns(
         Of the pictures.
     size : int
         Of the wave's grid: 2048 samples tell the fibres in pupils up to 9 mm.
+    spectrum : Spectrum, optional
+        The light's; equal energy unless given.
 
     Returns
     -------
@@ -300,6 +303,7 @@ def eye_patterns(
             state,
             reach,
             field,
+            spectrum=spectrum,
             colour_space=colour_space,
             projection="perspective",
             size=size,

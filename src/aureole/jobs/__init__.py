@@ -13,7 +13,8 @@ flare           the ghosts of a lens and the starbursts, for given lights, on bl
 flare_lights    its lights as people give them, measured or found in the picture
 flare_starburst its starbursts, where each light stands
 eye             what a point of light looks like to an eye, at a time or through time
-eye_glare       a picture as an eye sees it, at a time or through time
+eye_glare       a picture as an eye sees it at a time
+eye_glare_frames the same through time, by waves of its own or from flipbooks
 eye_frames      frames of an animation: which there are, which are done
 eye_preview     a point spread function of an eye drawn with degrees
 viewer          an eye as people describe it, and the light that it is adapted to
@@ -32,7 +33,8 @@ from aureole.jobs.aperture import ApertureJob, ApertureResult
 from aureole.jobs.demo import DemoJob, DemoResult
 from aureole.jobs.eye import QUICK_GRID, EyeAnimationJob, EyeJob, EyeResult
 from aureole.jobs.eye_frames import EyeAnimationResult, EyeFrame, Frames
-from aureole.jobs.eye_glare import EyeGlareAnimationJob, EyeGlareJob, EyeGlareResult
+from aureole.jobs.eye_glare import EyeGlareJob, EyeGlareResult
+from aureole.jobs.eye_glare_frames import EyeGlareAnimationJob
 from aureole.jobs.eye_preview import write_eye_preview
 from aureole.jobs.flare import FlareJob, FlareResult
 from aureole.jobs.flare_lights import Lamp

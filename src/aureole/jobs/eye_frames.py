@@ -142,8 +142,8 @@ def frame_stages(
     make : callable
         Makes a frame by its number; the last of its stages holds a `Picture` and its plain numbers.
     follow : callable, optional
-        Takes each frame in its order, and gives what is to become of it; a frame that is done is given
-        to it, too, and stays as it is.
+        Takes each frame in its order, and gives what is to become of it. Frames that are done are made
+        for it again, but stay as they are; those after the last that is not done are left out.
 
     Yields
     ------
@@ -154,12 +154,14 @@ def frame_stages(
     words = {n: f"{description}, at {reports[n - 1]['time_s']:.6g} s" for n in numbers}
     done = {n for n in numbers if frames.is_done is not None and frames.is_done(n, words[n])}
     told = {n: reports[n - 1] | {"number": n, "kept": n in done} for n in numbers}
+    last = max((n for n in numbers if n not in done), default=0)
     tiles: list[NDArray[np.float32]] = []
     for index, number in enumerate(numbers):
         fraction, label = index / len(numbers), f"frame {number} of {frames.count()}"
         yield Stage(fraction, label)
         seen: Picture | None = None
-        if number not in done or (frames.recall is None and (frames.contact_sheet or follow is not None)):
+        again = frames.contact_sheet and (frames.recall is None or follow is not None)
+        if number not in done or again or (follow is not None and number < last):
             for stage in make(number):
                 result = stage.result
                 yield Stage(fraction + stage.fraction / len(numbers), label)
@@ -168,10 +170,8 @@ def frame_stages(
             told[number] |= found
             made = EyeFrame(number, seen, words[number], told[number], number in done)
             yield Stage((index + 1) / len(numbers), label, made)
-        elif frames.recall is not None and (frames.contact_sheet or follow is not None):
+        elif frames.contact_sheet and frames.recall is not None:
             seen = frames.recall(number)
-            if follow is not None:
-                follow(seen)
         if frames.contact_sheet and seen is not None:
             tiles.append(tile(seen.pixels[..., :3]))
             space = seen.colour_space

@@ -1,6 +1,5 @@
-"""A picture as an eye sees it, at a time or through time."""
+"""A picture as an eye sees it at a time."""
 
-import hashlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -12,19 +11,7 @@ from numpy.typing import NDArray
 
 from aureole import glare, light, picture, refuse
 from aureole.glare import EyeComposition, EyeState
-from aureole.jobs.eye import (
-    EyeJob,
-    animation_report,
-    check_field,
-    description,
-    is_shut,
-    psf_numbers,
-    psf_stages,
-    refuse_shut,
-    shared_report,
-    state_report,
-)
-from aureole.jobs.eye_frames import EyeAnimationResult, EyeFrame, Frames, FramesResult, frame_stages
+from aureole.jobs.eye import EyeJob, check_field, psf_numbers, psf_stages, refuse_shut, shared_report
 from aureole.jobs.glare import in_working_space, picture_sums
 from aureole.records import Picture, Stage
 
@@ -85,28 +72,6 @@ class EyeGlareJob:
 
 
 @dataclass(frozen=True, eq=False)
-class EyeGlareAnimationJob:
-    """A picture as an eye sees it through time.
-
-    Parameters
-    ----------
-    still : EyeGlareJob
-        Each frame; the time of its eye is that of the first.
-    frames : Frames
-        How many, and which of them.
-    photosafe : bool
-        Whether changes from frame to frame are held below those of flashes.
-    real_time : bool
-        Whether frames come from flipbooks that are made first.
-    """
-
-    still: EyeGlareJob
-    frames: Frames
-    photosafe: bool = False
-    real_time: bool = False
-
-
-@dataclass(frozen=True, eq=False)
 class EyeGlareResult:
     """A picture as an eye sees it, and what is worth knowing about it.
 
@@ -129,8 +94,18 @@ class EyeGlareResult:
 
 
 @dataclass(frozen=True, eq=False)
-class _View:
-    """A picture ready for the eye: in a space that has a name, its kernel's job, and its field of view."""
+class EyeView:
+    """A picture ready for the eye.
+
+    Parameters
+    ----------
+    source : Picture
+        In a colour space that has a name.
+    kernel : EyeJob
+        The point spread function in its pixels.
+    field_of_view : float
+        Radians across its pixels' columns, which may be a part of what the eye's field spans.
+    """
 
     source: Picture
     kernel: EyeJob
@@ -150,16 +125,16 @@ def run_eye_glare(job: EyeGlareJob) -> Iterator[Stage]:
     Stage
         The last one holds an `EyeGlareResult`.
     """
-    view = _view(job)
+    view = eye_view(job)
     yield Stage(0.0, "the eye's state")
     state = job.eye.viewer.state(job.eye.time)
     refuse_shut(state)
-    for stage in _ready_stages(job, view, state):
+    for stage in ready_stages(job, view, state):
         made = stage.result
         yield Stage(0.8 * stage.fraction, stage.label)
     psf, ready = made
     yield Stage(0.8, "spreading the light")
-    out = _seen(job, view, ready, 1.0)
+    out = seen(job, view, ready, 1.0)
     report = shared_report(view.kernel, state) | psf_numbers(psf)
     rows, columns = job.picture.pixels.shape[:2]
     report |= {
@@ -174,79 +149,24 @@ def run_eye_glare(job: EyeGlareJob) -> Iterator[Stage]:
     yield Stage(1.0, "glare", EyeGlareResult(out, psf, state, report))
 
 
-def run_eye_glare_animation(job: EyeGlareAnimationJob) -> Iterator[Stage]:
-    """Run an animation of a picture as an eye sees it.
+def eye_view(job: EyeGlareJob) -> EyeView:
+    """Refuse, before any work, what cannot be served, and make the picture ready.
 
     Parameters
     ----------
-    job : EyeGlareAnimationJob
-        What to do.
+    job : EyeGlareJob
+        Any.
 
-    Yields
+    Returns
+    -------
+    EyeView
+        The picture, its kernel's job and its field of view.
+
+    Raises
     ------
-    Stage
-        Each frame as an `EyeFrame` when it is ready; the last one holds an `EyeAnimationResult`.
+    refuse.Refusal
+        Where a choice or a number does not fit, or memory would not suffice.
     """
-    if job.photosafe or job.real_time:
-        raise refuse.Refusal("'photosafe' and 'real-time' are on the way.")
-    still, view = job.still, _view(job.still)
-    yield Stage(0.0, "the eye's states")
-    states = still.eye.viewer.states(job.frames.times(still.eye.time))
-    reports = [state_report(state) for state in states]
-    awake = replace(still.eye.viewer, blinking=False).states(job.frames.times(still.eye.time))
-
-    def make(number: int) -> Iterator[Stage]:
-        state = states[number - 1]
-        return _frame_stages(still, view, state, _dimming(state, awake[number - 1]))
-
-    words = description(view.kernel, *_more(job))
-    for stage in frame_stages(job.frames, reports, words, make):
-        made = stage.result
-        yield Stage(0.999 * stage.fraction, stage.label, made if isinstance(made, EyeFrame) else None)
-    assert isinstance(made, FramesResult)
-    report = animation_report(still.eye, job.frames, made.reports)
-    report["sum_before"] = picture_sums(still.picture)
-    yield Stage(1.0, "glare", EyeAnimationResult(report, made.contact_sheet))
-
-
-def _frame_stages(job: EyeGlareJob, view: _View, state: EyeState, share: float) -> Iterator[Stage]:
-    """Make a frame; lids that are shut leave it black."""
-    if is_shut(state):
-        pixels = job.picture.pixels.copy()
-        pixels[..., :3] = 0
-        black = Picture(pixels, job.picture.colour_space, job.picture.metadata)
-        yield Stage(1.0, "shut", (black, {"sum_after": [0.0, 0.0, 0.0]}))
-        return
-    for stage in _ready_stages(job, view, state):
-        made = stage.result
-        yield Stage(0.9 * stage.fraction, stage.label)
-    psf, ready = made
-    out = _seen(job, view, ready, share)
-    yield Stage(1.0, "glare", (out, psf_numbers(psf) | {"sum_after": picture_sums(out)}))
-
-
-def _dimming(state: EyeState, awake: EyeState) -> float:
-    """Return how much of the light a blink lets through; an eye that squints is used to it."""
-    if state.lid_opening == awake.lid_opening:
-        return 1.0
-    return min(1.0, glare.open_share(state) / glare.open_share(awake))
-
-
-def _more(job: EyeGlareAnimationJob) -> tuple[Any, ...]:
-    """Return what frames depend on besides the eye: the picture, and how glare is mixed in."""
-    still = job.still
-    mixing = {
-        name: value
-        for name, value in vars(still).items()
-        if name not in ("picture", "eye", "matte", "memory", "kernel_size")
-    }
-    pixels = hashlib.sha256(still.picture.pixels.tobytes()).hexdigest()
-    matte = None if still.matte is None else hashlib.sha256(still.matte.tobytes()).hexdigest()
-    return pixels, matte, mixing, job.photosafe, job.real_time, job.frames.rate
-
-
-def _view(job: EyeGlareJob) -> _View:
-    """Refuse, before any work, what cannot be served, and make the picture ready."""
     refuse.one_of("mode", job.mode, glare.MODES)
     refuse.one_of("resolution", job.resolution, RESOLUTIONS)
     refuse.one_of("precision", job.precision, ("single", "double"))
@@ -275,7 +195,7 @@ def _view(job: EyeGlareJob) -> _View:
         colour_space=space,
         parts=None,
     )
-    return _View(source, kernel, 2 * math.atan(tangent * columns))
+    return EyeView(source, kernel, 2 * math.atan(tangent * columns))
 
 
 def _refuse_memory(job: EyeGlareJob, side: int) -> None:
@@ -302,8 +222,23 @@ def _nodes(job: EyeGlareJob) -> tuple[int, int]:
     return max(1, round(job.patterns * rows / columns)), job.patterns
 
 
-def _ready_stages(job: EyeGlareJob, view: _View, state: EyeState) -> Iterator[Stage]:
-    """Make the eye's patterns ready for the picture; the last stage holds the middle one, and all ready."""
+def ready_stages(job: EyeGlareJob, view: EyeView, state: EyeState) -> Iterator[Stage]:
+    """Make the eye's patterns ready for the picture.
+
+    Parameters
+    ----------
+    job : EyeGlareJob
+        How many patterns, and how they are mixed in.
+    view : EyeView
+        The picture.
+    state : EyeState
+        The eye.
+
+    Yields
+    ------
+    Stage
+        The last one holds the middle pattern, and the `EyeComposition`.
+    """
     shape = (view.source.pixels.shape[0], view.source.pixels.shape[1])
     how: dict[str, Any] = {"mode": job.mode, "resolution": job.resolution, "precision": job.precision}
     nodes = _nodes(job)
@@ -324,7 +259,7 @@ def _ready_stages(job: EyeGlareJob, view: _View, state: EyeState) -> Iterator[St
     yield Stage(1.0, "patterns", (list(patterns.values())[len(patterns) // 2], ready))
 
 
-def _pattern_at(view: _View, state: EyeState, source: tuple[float, float]) -> Picture:
+def _pattern_at(view: EyeView, state: EyeState, source: tuple[float, float]) -> Picture:
     psf = None
     for stage in psf_stages(replace(view.kernel, source=source), state):
         psf = stage.result
@@ -332,8 +267,25 @@ def _pattern_at(view: _View, state: EyeState, source: tuple[float, float]) -> Pi
     return psf
 
 
-def _seen(job: EyeGlareJob, view: _View, ready: EyeComposition, share: float) -> Picture:
-    """Lay the glare over the picture; the result has the picture's own colour space again."""
+def seen(job: EyeGlareJob, view: EyeView, ready: EyeComposition, share: float) -> Picture:
+    """Lay the glare over the picture.
+
+    Parameters
+    ----------
+    job : EyeGlareJob
+        How it is mixed in.
+    view : EyeView
+        The picture.
+    ready : EyeComposition
+        The eye's patterns.
+    share : float
+        Of the light that the lids let through, 0 to 1.
+
+    Returns
+    -------
+    Picture
+        In the picture's own colour space again.
+    """
     out = glare.eye_composite(
         view.source,
         ready,

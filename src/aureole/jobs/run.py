@@ -9,6 +9,7 @@ from aureole.jobs import (
     demo,
     eye,
     eye_glare,
+    eye_glare_frames,
     flare,
     glare,
     near_field,
@@ -47,7 +48,7 @@ run.register(near_texture.NearTextureJob, near_texture.run_near_texture)
 run.register(eye.EyeJob, eye.run_eye)
 run.register(eye.EyeAnimationJob, eye.run_eye_animation)
 run.register(eye_glare.EyeGlareJob, eye_glare.run_eye_glare)
-run.register(eye_glare.EyeGlareAnimationJob, eye_glare.run_eye_glare_animation)
+run.register(eye_glare_frames.EyeGlareAnimationJob, eye_glare_frames.run_eye_glare_animation)
 run.register(demo.DemoJob, demo.run_demo)
 
 
