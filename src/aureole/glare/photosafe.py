@@ -252,7 +252,8 @@ class FlashLimiter:
         mixed, share = self._held_back(shown, measured, time)
         self.share = float(share.min())
         self._last = mixed
-        self._output.update(self._measured(mixed), time)
+        self._before = measured if self.share >= 1 else self._measured(mixed)
+        self._output.update(self._before, time)
         if self.share >= 1:
             return pixels
         out = pixels.copy()
@@ -262,11 +263,15 @@ class FlashLimiter:
     def _start(self, shown: NDArray[np.float32]) -> None:
         self._cells = _cells(shown.shape, self._wanted)
         self._grid = len(self._cells[0]), len(self._cells[1])
-        self._last, first = shown, self._measured(shown)
+        self._hats = [_hats(n, edges) for n, edges in zip(shown.shape[:2], self._cells, strict=True)]
+        self._last = shown
+        first: Reals = self._measured(shown)
+        self._before = first
         half = len(first) // 2
         change = np.repeat([CHANGE, RED_CHANGE], half)
         darkest = np.repeat([DARKEST, np.inf], half)
-        self._source, self._output = Swings(first, change, darkest), Swings(first, change, darkest)
+        self._source: Swings = Swings(first, change, darkest)
+        self._output: Swings = Swings(first, change, darkest)
         # Time over which each series' mean is followed; zero follows at once.
         self._calm = np.zeros(len(first))
 
@@ -284,16 +289,16 @@ class FlashLimiter:
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the picture to show, and the share of the new picture in each of its pixels."""
         assert self._last is not None
-        before = self._measured(self._last)
+        before = self._before
         low, high = self._output.bounds(time)
         share = self._shares(before, measured, low, high)
         for attempt in range(12):
             over_pixels = self._over_pixels(share, shown.shape)
             if over_pixels.min() >= 1:
-                mixed = shown
+                mixed, found = shown, measured
             else:
                 mixed = self._last + over_pixels[..., None] * (shown - self._last)
-            found = self._measured(mixed)
+                found = self._measured(mixed)
             wrong = (found < np.minimum(low, before)) | (found > np.maximum(high, before))
             if not wrong.any():
                 return mixed, over_pixels
@@ -316,12 +321,8 @@ class FlashLimiter:
         cells = np.minimum(both[1:].reshape(self._grid), both[0])
         if cells.min() >= 1:
             return np.ones(shape[:2], dtype=np.float32)
-        least = ndimage.minimum_filter(cells, 3, mode="nearest")
-        places = [
-            np.interp(np.arange(n), (edges + np.append(edges[1:], n) - 1) / 2, np.arange(len(edges)))
-            for n, edges in zip(shape[:2], self._cells, strict=True)
-        ]
-        smooth = ndimage.map_coordinates(least, np.meshgrid(*places, indexing="ij"), order=1, mode="nearest")
+        least = ndimage.minimum_filter(cells, 3, mode="nearest").astype(np.float32)
+        smooth = self._hats[0] @ least @ self._hats[1].T
         return np.asarray(np.where(smooth > 1 - 1e-6, 1, smooth), dtype=np.float32)
 
 
@@ -345,14 +346,22 @@ def _cells(shape: tuple[int, ...], grid: Iterable[int]) -> tuple[NDArray[np.int6
     return down, across
 
 
+def _hats(length: int, edges: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Return each cell's share of each pixel along an axis: straight lines between the cells' middles."""
+    middles = (edges + np.append(edges[1:], length) - 1) / 2
+    cells = np.interp(np.arange(length), middles, np.arange(len(edges)))[:, None]
+    return np.asarray(np.maximum(1 - np.abs(cells - np.arange(len(edges))), 0), dtype=np.float32)
+
+
 def _measures(
     shown: NDArray[np.float32],
     weights: NDArray[np.float32],
     cells: tuple[NDArray[np.int64], NDArray[np.int64]],
 ) -> tuple[Reals, Reals]:
-    red, total = shown[..., 0], shown.sum(axis=2)
-    is_saturated = red >= np.float32(RED_SHARE) * total
-    purity = np.where(is_saturated, np.maximum(2 * red - total, 0), 0)
+    red, green, blue = (np.ascontiguousarray(shown[..., channel]) for channel in range(3))
+    total = red + green + blue
+    purity = np.where(red >= np.float32(RED_SHARE) * total, np.maximum(2 * red - total, 0), 0)
+    luminance = weights[0] * red + weights[1] * green + weights[2] * blue
     heights, widths = (np.diff(np.append(edges, n)) for n, edges in zip(shown.shape[:2], cells, strict=True))
     areas = np.outer(heights, widths)
 
@@ -361,4 +370,4 @@ def _measures(
         sums = np.add.reduceat(rows, cells[1], axis=1)
         return np.concatenate([[sums.sum() / areas.sum()], (sums / areas).ravel()])
 
-    return means(shown @ weights), means(purity)
+    return means(luminance), means(purity)
