@@ -79,7 +79,13 @@ def test_pictures_are_small_and_each_is_shown():
 
 
 @pytest.mark.parametrize(
-    ("page", "script"), [("far-field", "figures"), ("near-field", "near_figures"), ("flare", "flare_figures")]
+    ("page", "script"),
+    [
+        ("far-field", "figures"),
+        ("near-field", "near_figures"),
+        ("flare", "flare_figures"),
+        ("eye", "eye_figures"),
+    ],
 )
 def test_each_picture_of_a_page_is_made_by_its_script(page, script):
     """Loops write some of them: over methods, over Fresnel numbers."""
