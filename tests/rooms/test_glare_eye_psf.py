@@ -8,6 +8,7 @@ import pytest
 
 from aureole import glare, light, refuse
 from aureole.glare import Eye, EyeState
+from aureole.records import Picture
 
 STATE = EyeState(Eye(age=40), pupil_diameter=4e-3)
 SIX, SIXTY = math.radians(6), math.radians(60)
@@ -107,14 +108,14 @@ def test_closed_lids_spread_nothing():
 
 def test_the_parts_patterns_add_up_to_nearly_the_whole_pattern():
     state = EyeState(Eye(age=30), pupil_diameter=6e-3)
-    whole = quick(state, (60, 60), math.radians(12), size=2048).pixels
-    added = quick(state, (60, 60), math.radians(12), size=2048, combine="thesis").pixels
+    whole = quick(state, (60, 60), math.radians(12), size=1600).pixels
+    added = quick(state, (60, 60), math.radians(12), size=1600, combine="thesis").pixels
     angle = np.hypot(*np.meshgrid(*[np.arange(60) - 30] * 2))
     for low, high in ((0, 1), (1, 5), (5, 14), (14, 19), (19, 30)):
         ring = (angle >= low) & (angle < high)
         assert added[ring].sum() == pytest.approx(whole[ring].sum(), rel=0.15)
-    parts = glare.component_psfs(state, (60, 60), math.radians(12), size=2048)
-    shares = glare.component_weights(state, size=2048)
+    parts = glare.component_psfs(state, (60, 60), math.radians(12), size=1600)
+    shares = glare.component_weights(state, size=1600)
     summed = sum(shares[name] * psf.pixels for name, psf in parts.items())
     np.testing.assert_allclose(summed, added, rtol=0.01, atol=1e-7)
 
@@ -135,9 +136,9 @@ def test_shares_are_those_of_the_particles_and_of_the_lashes_shadow():
 
 def test_the_thesis_weights_make_the_halo_brighter():
     state = EyeState(pupil_diameter=6.5e-3)
-    plain = quick(state, size=2048, field=math.radians(9), combine="thesis").pixels
+    plain = quick(state, size=1600, field=math.radians(9), combine="thesis").pixels
     thesis = quick(
-        state, size=2048, field=math.radians(9), combine="thesis", weights=glare.THESIS_WEIGHTS
+        state, size=1600, field=math.radians(9), combine="thesis", weights=glare.THESIS_WEIGHTS
     ).pixels
     angle = np.hypot(*np.meshgrid(*[np.arange(96) - 48] * 2)) * 9 / 96
     ring = (angle > 3) & (angle < 3.4)
@@ -153,6 +154,18 @@ def test_streaks_depend_on_where_the_light_is():
     assert np.abs(straight - left).max() > 1e-4 * straight.max()
 
 
+def test_streaks_bend_by_the_sine_and_keep_their_light():
+    line = np.zeros((41, 61, 3), dtype=np.float32)
+    line[20] = 1
+    moved = glare.eye_components.bent(Picture(line), 8.0).pixels[..., 0]
+    middles = (moved * np.arange(41)[:, None]).sum(axis=0)
+    np.testing.assert_allclose(middles - 20, 8 * np.sin((np.arange(61) - 30) / 30.5), atol=1e-5)
+    np.testing.assert_allclose(moved.sum(axis=0), 1, rtol=1e-6)
+    straight, bent = (quick(combine="thesis", streak_bend=bend).pixels for bend in (0.0, 0.01))
+    assert np.abs(straight - bent).max() > 0
+    assert bent.sum() == pytest.approx(straight.sum(), rel=1e-3)
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [
@@ -164,10 +177,11 @@ def test_streaks_depend_on_where_the_light_is():
         ({"projection": "angel"}, "Did you mean 'angle'"),
         ({"combine": "coherant"}, "Did you mean 'coherent'"),
         ({"colour_space": "rec708"}, "Did you mean 'rec709'"),
-        ({"size": 8}, "'size' must be an integer >= 16"),
+        ({"size": 8}, "'size' must be an integer >= 64"),
         ({"size": 257}, "'size' must be even"),
         ({"wavelengths": 0}, "'wavelengths' must be an integer >= 1"),
-        ({"weights": {"halo": 1}}, "'weights' belong to combine 'thesis'"),
+        ({"weights": {"halo": 1}}, "belong to combine 'thesis'"),
+        ({"streak_bend": 0.1}, "belong to combine 'thesis'"),
         ({"weights": {"hallo": 1}, "combine": "thesis"}, "Did you mean 'halo'"),
         ({"weights": {"halo": 0}, "combine": "thesis"}, "must have one above 0"),
         ({"state": EyeState(Eye(defocus=20), pupil_diameter=7e-3), "size": 256}, "give it more pixels"),

@@ -16,7 +16,16 @@ from numpy.typing import NDArray
 from aureole import refuse
 from aureole.glare.eye import EyeState
 from aureole.glare.eye_aperture import COMPONENTS, eye_parts, focused
-from aureole.glare.eye_pattern import MARGIN, WAVELENGTHS, Lamp, Veil, lamp_of, pattern_of, raster_size
+from aureole.glare.eye_pattern import (
+    FEWEST_PIXELS,
+    MARGIN,
+    WAVELENGTHS,
+    Lamp,
+    Veil,
+    lamp_of,
+    pattern_of,
+    raster_size,
+)
 from aureole.glare.eye_pixels import Frame
 from aureole.glare.kernel import nonnegative
 from aureole.records import Aperture, Picture, Spectrum
@@ -86,7 +95,7 @@ def component_psfs(
     for name in components:
         refuse.one_of("components", name, COMPONENTS)
     frame = Frame.checked(shape, field_of_view, projection)
-    many = raster_size(state, frame) if size is None else refuse.at_least("size", size, 16)
+    many = raster_size(state, frame) if size is None else refuse.at_least("size", size, FEWEST_PIXELS)
     width = MARGIN * state.pupil_diameter
     parts = resolved_parts(state, many, width, source)
     lamp = lamp_of(spectrum, colour_space, frame, wavelengths)
@@ -268,6 +277,35 @@ def combined(psfs: Mapping[str, Picture], weights: Mapping[str, float] | None) -
     if not whole > 0:
         raise refuse.Refusal("'weights' must have one above 0 for a part that scatters light.")
     return sum(np.float32(chosen[name] / whole) * psfs[name].pixels for name in psfs)  # type: ignore[return-value]
+
+
+def bent(psf: Picture, offset: float) -> Picture:
+    """Bend a pattern of streaks as J. Delavennat's thesis (2021, Figure 3.7) does: moved by sin x.
+
+    Parameters
+    ----------
+    psf : Picture
+        Of lashes; its core lies at (rows//2, columns//2).
+    offset : float
+        By how many pixels, downward, a place at x = 1 is moved over sin 1; x is -1 to 1 across the columns.
+
+    Returns
+    -------
+    Picture
+        Each column moved down by offset · sin x; what leaves the frame is lost.
+    """
+    rows, columns = psf.pixels.shape[:2]
+    moved = refuse.finite("offset", offset) * np.sin(
+        (np.arange(columns) - columns // 2) / max(columns / 2, 1)
+    )
+    whole = np.floor(moved).astype(int)
+    part = (moved - whole).astype(np.float32)[:, None]
+    pixels = np.zeros_like(psf.pixels)
+    for step, share in ((0, 1 - part), (1, part)):
+        places = np.arange(rows)[:, None] - whole - step
+        inside = ((places >= 0) & (places < rows))[..., None]
+        pixels += np.where(inside, psf.pixels[np.clip(places, 0, rows - 1), np.arange(columns)], 0) * share
+    return Picture(pixels, psf.colour_space, psf.metadata)
 
 
 def _pattern(

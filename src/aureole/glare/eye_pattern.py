@@ -27,8 +27,10 @@ STEP, MOST_WAVELENGTHS = 1.5, 128
 # The raster is so much wider than the pupil; its pixels are between these sizes, in metres, by default.
 MARGIN, FINEST_PIXEL, COARSEST_PIXEL = 1.1, 1.95e-6, 3.9e-6
 BLOCK, SMALLEST_SIZE, LARGEST_SIZE = 64, 256, 4096
+# Fewer pixels than this on the pupil make no pattern worth the name.
+FEWEST_PIXELS = 64
 # With a wavefront so many groups of wavelengths are transformed, of a raster of at most so many pixels.
-GROUPS, LARGEST_WITH_WAVEFRONT = 14, 2048
+GROUPS, LARGEST_WITH_WAVEFRONT = 12, 1536
 VEIL_ANGLES = 600
 # Where the energy that is missing to the whole goes: about the axis, to all parts alike, or nowhere.
 RESTS = ("core", "all", "none")

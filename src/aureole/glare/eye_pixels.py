@@ -14,8 +14,8 @@ from aureole import refuse
 from aureole.glare.eye_wave import Level, Wave, in_bands
 
 PROJECTIONS = ("angle", "perspective")
-# Pixels so near the axis are divided, since the veil is steep there.
-STEEP, PARTS = 16, 6
+# Pixels so near the axis are divided along both sides, those about it into more parts.
+STEEP, PARTS, MOST_PARTS = 16, 6, 240
 RIGHT_ANGLE = math.pi / 2
 
 
@@ -144,12 +144,15 @@ def radial_energies(
     """
     down, right = (np.arange(count // 2 + 1, dtype=np.float64) for count in frame.shape)
     quarter = _at_places(frame, down, right, angles, density)
-    parts = (np.arange(PARTS) + 0.5) / PARTS - 0.5
-    steep_y, steep_x = down[:STEEP], right[:STEEP]
-    fine_y, fine_x = ((axis[:, None] + parts).ravel() for axis in (steep_y, steep_x))
-    fine = _at_places(frame, fine_y, fine_x, angles, density)
-    blocks = fine.reshape(len(steep_y), PARTS, len(steep_x), PARTS, 3)
-    quarter[: len(steep_y), : len(steep_x)] = blocks.mean(axis=(1, 3))
+    # The nearer to the axis, the steeper the veil and the finer the parts.
+    finest = math.ceil(4 * frame.step / angles[0])
+    for reach, parts in ((STEEP, PARTS), (2, min(max(finest, PARTS), MOST_PARTS))):
+        middles = (np.arange(parts) + 0.5) / parts - 0.5
+        near_y, near_x = down[:reach], right[:reach]
+        fine_y, fine_x = ((axis[:, None] + middles).ravel() for axis in (near_y, near_x))
+        fine = _at_places(frame, fine_y, fine_x, angles, density)
+        blocks = fine.reshape(len(near_y), parts, len(near_x), parts, 3)
+        quarter[: len(near_y), : len(near_x)] = blocks.mean(axis=(1, 3))
     rows, columns = (np.abs(np.arange(count) - count // 2) for count in frame.shape)
     return np.asarray(quarter[rows[:, None], columns].astype(np.float32))
 

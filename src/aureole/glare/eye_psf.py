@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from aureole import light, refuse
 from aureole.glare.eye import EyeState
-from aureole.glare.eye_components import combined, component_psfs, whole_opening
+from aureole.glare.eye_components import bent, combined, component_psfs, whole_opening
 from aureole.glare.eye_pattern import (
+    FEWEST_PIXELS,
     MARGIN,
     REFERENCE_WAVELENGTH,
     WAVELENGTHS,
@@ -45,6 +46,7 @@ def eye_psf(
     size: int | None = None,
     wavelengths: int = WAVELENGTHS,
     weights: Mapping[str, float] | None = None,
+    streak_bend: float = 0.0,
 ) -> Picture:
     """Return the point spread function of an eye.
 
@@ -77,6 +79,9 @@ def eye_psf(
     weights : mapping of str to float, optional
         Brightness of the four patterns for "thesis", such as `THESIS_WEIGHTS` (its Eq. 3.4); their shares of
         the light unless given.
+    streak_bend : float
+        For "thesis": radians by which the lashes' streaks are bent, as its Figure 3.7 does, where they leave
+        the frame on the right (over sin 1). Curved lashes bend them without this.
 
     Returns
     -------
@@ -105,6 +110,7 @@ def eye_psf(
         size,
         wavelengths,
         weights,
+        streak_bend,
     ):
         psf = stage.result
     assert isinstance(psf, Picture)
@@ -124,6 +130,7 @@ def eye_psf_stages(
     size: int | None = None,
     wavelengths: int = WAVELENGTHS,
     weights: Mapping[str, float] | None = None,
+    streak_bend: float = 0.0,
 ) -> Iterator[Stage]:
     """Do what `eye_psf` does, telling how far it is.
 
@@ -153,6 +160,8 @@ def eye_psf_stages(
         As in `eye_psf`.
     weights : mapping of str to float, optional
         As in `eye_psf`.
+    streak_bend : float
+        As in `eye_psf`.
 
     Yields
     ------
@@ -163,14 +172,16 @@ def eye_psf_stages(
     frame = Frame.checked(shape, field_of_view, projection)
     refuse.one_of("colour_space", colour_space, light.SPACES)
     refuse.at_least("wavelengths", wavelengths, 1)
-    if weights is not None and combine != "thesis":
-        raise refuse.Refusal("'weights' belong to combine 'thesis'; a coherent pattern has none.")
-    many = raster_size(state, frame) if size is None else refuse.at_least("size", size, 16)
+    refuse.finite("streak_bend", streak_bend)
+    if combine != "thesis" and (weights is not None or streak_bend):
+        raise refuse.Refusal("'weights' and 'streak_bend' belong to combine 'thesis'; 'coherent' has none.")
+    many = raster_size(state, frame) if size is None else refuse.at_least("size", size, FEWEST_PIXELS)
     yield Stage(0.0, "parts of the eye")
     if combine == "thesis":
         psfs = component_psfs(
             state, shape, field_of_view, spectrum, colour_space, tail, projection, source, many, wavelengths
         )
+        psfs["streaks"] = bent(psfs["streaks"], streak_bend / frame.step)
         pixels = combined(psfs, weights)
     else:
         width = MARGIN * state.pupil_diameter
