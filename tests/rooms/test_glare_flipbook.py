@@ -168,6 +168,11 @@ def test_files_that_hold_no_flipbooks_are_refused(flipbooks, tmp_path):
         save_flipbooks(flipbooks, tmp_path / "eye.exr")
 
 
+def test_more_than_fits_into_memory_is_refused_before_the_work():
+    with pytest.raises(refuse.Refusal, match=r"60 patterns for 40000 x 30000 pixels\) need .* GB of memory"):
+        make_flipbooks(shape=(30000, 40000), field_of_view=FIELD)
+
+
 @pytest.mark.parametrize(
     ("frames", "words"),
     [

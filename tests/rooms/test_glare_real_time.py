@@ -186,6 +186,10 @@ def test_the_share_that_arrives_is_the_sum_of_the_pattern_over_the_frame():
 
 def test_refusals():
     flipbooks = books((8, 9))
+    holed = lights((8, 9))
+    holed[3, 4] = np.nan
+    with pytest.raises(refuse.Refusal, match="'pixels' must hold finite numbers, got 3 that are NaN"):
+        RealTimeGlare(flipbooks)(holed, STATE)
     with pytest.raises(refuse.Refusal, match="'mode' must be one of 'replace', 'add', got 'scater'"):
         RealTimeGlare(flipbooks, "scater")
     with pytest.raises(refuse.Refusal, match="'border' must be one of"):

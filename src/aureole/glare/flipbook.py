@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import refuse
+from aureole import picture, refuse
 from aureole.glare.eye import STANDARD, Eye, EyeState
 from aureole.glare.eye_aperture import COMPONENTS, open_share
 from aureole.glare.eye_components import component_psfs
@@ -253,6 +253,7 @@ def make_flipbooks_stages(
         As in `make_flipbooks`.
     """
     books, count = _empty_books(eye, frames or {})
+    _refuse_memory(count, GlareFrames.empty(shape, field_of_view, resolution, 0, is_even(eye)))
     lids = eye.seed, eye.lashes, eye.lash_spread, eye.lash_width, eye.lash_distance
     opening = Flipbook(OPENING, 0, np.array(_open_shares(*lids)))
     found = GlareFrames.empty(shape, field_of_view, resolution, count, is_even(eye))
@@ -328,6 +329,18 @@ def is_even(eye: Eye) -> bool:
         Whether its spectra are real.
     """
     return eye.defocus == 0 and not any(eye.zernike.values())
+
+
+def _refuse_memory(count: int, room: GlareFrames) -> None:
+    """Refuse more patterns than fit, before the work starts."""
+    spectra = math.prod(room.kernels.spectra.shape[1:]) * room.kernels.spectra.itemsize
+    needed, allowed = count * spectra, picture.allowed_memory()
+    if needed > allowed:
+        rows, columns = room.shape
+        raise refuse.Refusal(
+            f"'frames' ({count} patterns for {columns} x {rows} pixels) need {needed / 1e9:.3g} GB of "
+            f"memory, {allowed / 1e9:.3g} GB are allowed; take fewer nodes, or resolution 'half'."
+        )
 
 
 def _states(eye: Eye, axes: Axes) -> Iterator[EyeState]:

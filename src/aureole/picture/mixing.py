@@ -79,9 +79,8 @@ class KernelMix:
             if refuse.at_least("reach", length, 1) % 2 == 0 or length > 2 * most - 1:
                 raise refuse.Refusal(f"'reach' must be odd and at most {2 * most - 1}, got {length}.")
         torus = _torus(shape, reach, 1)
-        blocks, samples, _ = torus.half_spectrum().shape
-        numbers = _kernels.LANES * (1 if even else 2)
-        spectra = np.zeros((count, channels, blocks, samples, numbers), dtype=np.int16)
+        samples, numbers = len(torus.down.cosines), _kernels.LANES * (1 if even else 2)
+        spectra = np.zeros((count, channels, torus.blocks, samples, numbers), dtype=np.int16)
         steps = np.zeros(spectra.shape[:4], dtype=np.float32)
         return cls(shape, reach, spectra, steps, np.zeros((count, channels)))
 

@@ -78,10 +78,15 @@ class Torus:
         scale: Value = self.down.cosines.dtype.type(1 / (len(self.down.cosines) * len(self.along.cosines)))
         return scale
 
+    @property
+    def blocks(self) -> int:
+        """In how many blocks of columns a half spectrum comes."""
+        return len(self.along.cosines) // 2 // _kernels.LANES + 1
+
     def half_spectrum(self) -> Pixels:
         """Return room for a half spectrum (`aureole.picture._kernels`)."""
-        blocks = len(self.along.cosines) // 2 // _kernels.LANES + 1
-        return np.empty((blocks, len(self.down.cosines), _kernels.WIDTH), dtype=self.down.cosines.dtype)
+        shape = (self.blocks, len(self.down.cosines), _kernels.WIDTH)
+        return np.empty(shape, dtype=self.down.cosines.dtype)
 
     def kernel_spectrum(self, kernel: Pixels, channel: int, half: Pixels | None = None) -> Pixels:
         """Transform one channel of a kernel, its centre turned to sample 0."""
