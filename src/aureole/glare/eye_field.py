@@ -1,8 +1,9 @@
 """Glare that changes with the source's place in the frame, and with its strength.
 
 Lashes stand before the pupil, so their shadow on it moves with the direction of the light: the streaks of
-a lamp at the frame's left are not those of one at its right. A field has a point spread function for each
-of a few places; each pixel's light is shared among the nearest four by straight lines, so that
+a lamp at the frame's left are not those of one at its right (Kakimoto and others 2005). A field has a
+point spread function for each of a few places; each pixel's light is shared among the nearest four by
+straight lines, so that
 
     glare = Σ_k K_k ⊗ (h_k w L),   Σ_k h_k = 1,
 

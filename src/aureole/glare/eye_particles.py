@@ -8,6 +8,7 @@ and is neither absorbed nor coloured, and discs of n per unit of area at random 
 per steradian, each its Airy disc. Many radii are weighed so that their sum, with the mean of the pupil's
 own Airy pattern, is CIE 135's function for an age and a pigment. Where discs overlap, c being the part of
 the pupil that they cover, 4 c (1 − c) of the light is scattered, for which the densities are corrected.
+(Arias, Ginis and Artal 2018 fit a random phase all over the pupil to the same function instead.)
 """
 
 import math
