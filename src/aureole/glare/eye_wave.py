@@ -26,9 +26,10 @@ from aureole.records import Aperture, Grid
 FADE_START, FADE_END = 0.6, 0.96
 # About the axis the lattice is this much finer, out to a frequency in cycles per metre (0.05° at 575 nm).
 FINER, CORE = 7, 1520.0
-# Pixels of fewer cells than this get a finer lattice farther out, of at most so many samples a side (with
-# a wavefront), as long as it is finer by this.
-FEWEST_CELLS, MOST_FINE, MOST_FINE_COMPLEX, FINEST_OVER = 2.0, 3000, 800, 3
+# Pixels of fewer cells than this get a finer lattice farther out, too, at least by a factor,
+FEWEST_CELLS, COARSEST_FINER = 2.0, 3
+# of at most so many samples a side; with a wavefront it holds both halves of the plane, many times.
+MOST_FINE, MOST_FINE_COMPLEX = 3000, 800
 # A coarser raster does where frequencies stay below this part of half a cycle of its pixels.
 LOW_FREQUENCIES, MOST_JOINED = 0.12, 16
 # Rows are shared out among processors in so many bands.
@@ -148,14 +149,18 @@ def wave_of(opening: Aperture, energy: float, view: View, wavelength: float | No
     reach = last if view.fades else min(math.ceil(min(view.farthest, nyquist) * width) + 1, last)
     inner = min(math.ceil(CORE * width), reach)
     most = MOST_FINE if opening.wavefront is None else MOST_FINE_COMPLEX
-    finer, middle = _finer(view, width, inner, reach, most)
-    fine = _Lattice.of(opening, ((2 * middle + 1) * finer) // 2, spacing / finer, wavelength)
-    core = fine.cropped(((2 * inner + 1) * finer) // 2)
-    levels = [core.level(energy, 0.0, fade, is_core=True)]
-    if middle > inner:
-        levels.append(fine.level(energy, (inner + 0.5) * spacing, fade))
+    cells = view.finest * width
+    near = _Lattice.of(opening, inner, _core_finer(cells, inner, most), wavelength)
+    levels = [near.level(energy, 0.0, fade, is_core=True)]
+    middle = inner
+    if cells < FEWEST_CELLS:
+        wanted = min(math.ceil(view.farthest * width) + 1, reach)
+        finer, middle = _finer(cells, inner, wanted, most)
+        if middle > inner:
+            between = _Lattice.of(opening, middle, finer, wavelength)
+            levels.append(between.level(energy, (inner + 0.5) * spacing, fade))
     if reach > middle:
-        outer = _Lattice.of(opening, reach, spacing, wavelength)
+        outer = _Lattice.of(opening, reach, 1, wavelength)
         levels.append(outer.level(energy, (middle + 0.5) * spacing, fade))
     return Wave(tuple(levels), fade)
 
@@ -200,16 +205,17 @@ def fade_share(frequencies: NDArray[np.float64], fade: tuple[float, float]) -> N
     return np.asarray(t * t * (3 - 2 * t))
 
 
-def _finer(view: View, width: float, inner: int, reach: int, most: int) -> tuple[int, int]:
-    """Return how much finer the lattice is about the axis, and how many cells of the other it replaces."""
-    cells = view.finest * width
-    if cells >= FEWEST_CELLS:
-        return FINER, inner
-    # Pixels of less than a fringe want samples within them, all over.
-    finer = max(FINER, 4 * math.ceil(1 / cells) + 1)
-    finer = max(FINER, min(finer, 2 * (most // (4 * inner + 2)) + 1))
-    wanted = min(math.ceil(view.farthest * width) + 1, reach)
-    while finer > FINEST_OVER and (2 * wanted + 1) * finer > most:
+def _core_finer(cells: float, inner: int, most: int) -> int:
+    """Return how much finer the lattice is about the axis, where a pixel holds so many cells."""
+    finer = 4 * math.ceil(min(1 / cells, most)) + 1
+    # Odd, so that whole cells of the one tile the same square as those of the other.
+    return max(FINER, min(finer, 2 * (most // (4 * inner + 2)) - 1))
+
+
+def _finer(cells: float, inner: int, wanted: int, most: int) -> tuple[int, int]:
+    """Return how much finer the lattice is farther out, and how many cells of the other it replaces."""
+    finer = 2 * math.ceil(min(FEWEST_CELLS / cells, most)) + 1
+    while finer > COARSEST_FINER and (2 * wanted + 1) * finer > most:
         finer -= 2
     return finer, max(inner, min(wanted, (most // finer - 1) // 2))
 
@@ -226,8 +232,9 @@ class _Lattice:
     is_half: bool
 
     @classmethod
-    def of(cls, opening: Aperture, count: int, spacing: float, wavelength: float | None) -> "_Lattice":
-        """Transform a raster out to `count` steps from the axis."""
+    def of(cls, opening: Aperture, cells: int, finer: int, wavelength: float | None) -> "_Lattice":
+        """Transform a raster out to so many cells of 1 / width from the axis, each divided."""
+        count, spacing = ((2 * cells + 1) * finer) // 2, 1 / (finer * opening.width)
         is_half = opening.wavefront is None
         if is_half:
             opening = _joined(opening, count * spacing)
@@ -235,18 +242,10 @@ class _Lattice:
             grid = Grid(shape, (spacing, spacing), (0.0, middle))
         else:
             grid = Grid((2 * count + 1, 2 * count + 1), (spacing, spacing))
-        method = "fft" if spacing * opening.width > 0.99 else "chirpz"
+        method = "fft" if finer == 1 else "chirpz"
         power = diffraction.far_power(opening, grid, method, wavelength=wavelength)
         assert opening.mask is not None
         return cls(power, *grid.axes(), spacing, opening.width / len(opening.mask), is_half)
-
-    def cropped(self, count: int) -> "_Lattice":
-        """Return the part out to `count` steps from the axis."""
-        middle = len(self.y) // 2
-        rows = slice(middle - count, middle + count + 1)
-        columns = slice(0, count + 1) if self.is_half else rows
-        power = np.ascontiguousarray(self.power[rows, columns])
-        return _Lattice(power, self.y[rows], self.x[columns], self.spacing, self.pixel, self.is_half)
 
     def level(self, energy: float, hole: float, fade: tuple[float, float], is_core: bool = False) -> Level:
         """Add up the power outside a square hole and within the fade."""
