@@ -1,8 +1,9 @@
 """Spreading light with a kernel, at the picture's resolution or at half of it.
 
 At half resolution light is gathered into boxes of 2 × 2 pixels, spread with the kernel of those boxes,
-and brought back by straight lines between their middles; every step keeps the light and its place. Glare
-is smooth but for the few pixels about a small star: there it is laid at full resolution.
+and brought back by straight lines between their middles; every step keeps the light and its place. It
+takes a quarter of the memory. Small stars' near glare is laid at full resolution; that of other bright
+surfaces is smeared over the two or three pixels along their edges.
 """
 
 from typing import Any
