@@ -378,15 +378,18 @@ def arriving_share(kernel: NDArray[np.floating], shape: tuple[int, int]) -> NDAr
     ndarray of float32, shape (rows, columns, 3)
         Sum of the kernel over the part of it that lies on the frame, from sums over its corners.
     """
-    corners = np.zeros((kernel.shape[0] + 1, kernel.shape[1] + 1, kernel.shape[2]))
-    np.cumsum(kernel, axis=0, out=corners[1:, 1:])
-    np.cumsum(corners, axis=1, out=corners)
     (top, bottom), (left, right) = (
         (np.clip(length // 2 - np.arange(n), 0, length), np.clip(length // 2 - np.arange(n) + n, 0, length))
         for length, n in zip(kernel.shape[:2], shape, strict=True)
     )
-    tall = corners[bottom] - corners[top]
-    return np.asarray(tall[:, right] - tall[:, left], dtype=np.float32)
+    out = np.empty((*shape, kernel.shape[2]), dtype=np.float32)
+    corners = np.zeros((kernel.shape[0] + 1, kernel.shape[1] + 1))
+    for channel in range(kernel.shape[2]):
+        np.cumsum(kernel[..., channel], axis=0, out=corners[1:, 1:])
+        np.cumsum(corners, axis=1, out=corners)
+        tall = corners[bottom] - corners[top]
+        out[..., channel] = tall[:, right] - tall[:, left]
+    return out
 
 
 def eye_composite(
