@@ -10,7 +10,7 @@ from aureole import Picture, glare, jobs
 from aureole.jobs.contact_sheet import sheet, tile
 from aureole.jobs.eye import description
 from aureole.jobs.eye_frames import FramesResult, frame_stages
-from aureole.jobs.eye_preview import CONTRAST, brightness, degree_ticks
+from aureole.jobs.eye_preview import CONTRAST, degree_ticks, eye_brightness
 from aureole.records import Stage
 from aureole.refuse import Refusal
 
@@ -200,7 +200,7 @@ def test_a_kernel_is_in_the_pictures_pixels(shape):
     result = jobs.finish(jobs.run(still))
     pitch = math.degrees(2 * math.tan(field / 2) / shape[1])
     assert result.report["degrees_per_pixel"] == pytest.approx(pitch, rel=1e-9)
-    assert result.psf.pixels.shape[:2] == (max(shape) | 1,) * 2
+    assert result.psf.pixels.shape[:2] == (2 * shape[0] - 1, 2 * shape[1] - 1)
     np.testing.assert_allclose(result.report["sum_after"], result.report["sum_before"], rtol=1e-5)
     assert result.picture.pixels.shape == (*shape, 3)
 
@@ -308,9 +308,9 @@ def test_ticks_stand_where_the_angles_are(projection):
 def test_a_preview_shows_each_decade_by_the_same_step():
     rows = np.geomspace(1e-8, 1e-2, 61, dtype=np.float32)
     ramp = np.broadcast_to(rows[:, None, None], (61, 40, 3)).copy()
-    shown, low, high = brightness(Picture(ramp))
+    shown, low, high = eye_brightness(Picture(ramp))
     assert 0.99e-8 < low < 1e-7 < 1e-3 < high <= 1e-2
     steps = np.diff(shown[5:-5, 0, 1] ** (1 / CONTRAST))
     np.testing.assert_allclose(steps, 1 / (10 * np.log10(high / low)), rtol=1e-2)
-    dark, _, _ = brightness(Picture(np.zeros((4, 4, 3), np.float32)))
+    dark, _, _ = eye_brightness(Picture(np.zeros((4, 4, 3), np.float32)))
     assert dark.max() == 0

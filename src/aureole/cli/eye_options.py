@@ -135,8 +135,8 @@ class EyeFlags:
         bool,
         typer.Option(
             "--quick",
-            help=f"A small grid of {QUICK_GRID} x {QUICK_GRID} in the pupil: faster, and the pattern of the "
-            "finest parts ends nearer to the light.",
+            help=f"A small grid in the pupil, as --grid {QUICK_GRID}: faster, but the wave's own pattern "
+            "ends at one to three degrees, and wide pupils lose their ring.",
             rich_help_panel=EYE,
         ),
     ] = False
@@ -144,8 +144,8 @@ class EyeFlags:
         int | None,
         typer.Option(
             "--grid",
-            help="Samples on each side of the pupil's plane: 4096. The pupil and the field choose them "
-            "otherwise.",
+            help="Samples on each side of the pupil's plane: 2048 tell the fibres of the lens. The pupil and "
+            "the field choose up to 4096 otherwise.",
             rich_help_panel=EYE,
         ),
     ] = None

@@ -6,9 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from aureole import jobs, picture, refuse
 from aureole.cli import frames, output, views
 from aureole.cli.eye_options import AnimationFlags, OverFlags, given
@@ -68,7 +65,7 @@ def animation(job: jobs.EyeJob, moving: AnimationFlags, out: Path, as_json: bool
     written = files.places()
     result = files.follow(jobs.run(jobs.EyeAnimationJob(job, files.frames())))
     if moving.contact_sheet is not None:
-        output.write_display(moving.contact_sheet, views.kernel(result.contact_sheet))
+        output.write_display(moving.contact_sheet, jobs.eye_brightness(result.contact_sheet)[0])
     files.tell("eye", result.report, written, as_json, time.perf_counter() - start)
 
 
@@ -282,8 +279,7 @@ def _write(path: Path, psf: Picture, words: str | None) -> None:
     """Write a kernel as it is, or over its decades where the format is for people."""
     attributes = {} if words is None else {"ImageDescription": picture.Attribute("string", words)}
     if picture.format_of(path) in SHOWN:
-        shown: NDArray[np.float32] = views.kernel(psf)
-        output.write_display(path, shown, attributes)
+        output.write_display(path, jobs.eye_brightness(psf)[0], attributes)
         return
     told = picture.with_attributes(psf, attributes) if attributes else psf
     output.write(path, told, output.pixel_type_for(path, "auto"))

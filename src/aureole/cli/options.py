@@ -121,7 +121,11 @@ Matte = Annotated[
 ]
 KernelSide = Annotated[
     int | None,
-    typer.Option(help="Kernel's side in pixels; the picture's longer side.", rich_help_panel=MIXING),
+    typer.Option(
+        help="Kernel's side in pixels; a camera's is the picture's longer side, an eye's reaches all over "
+        "it.",
+        rich_help_panel=MIXING,
+    ),
 ]
 Precision = Annotated[
     str,

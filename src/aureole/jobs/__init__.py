@@ -35,7 +35,7 @@ from aureole.jobs.eye import QUICK_GRID, EyeAnimationJob, EyeJob, EyeResult
 from aureole.jobs.eye_frames import EyeAnimationResult, EyeFrame, Frames
 from aureole.jobs.eye_glare import EyeGlareJob, EyeGlareResult
 from aureole.jobs.eye_glare_frames import EyeGlareAnimationJob
-from aureole.jobs.eye_preview import write_eye_preview
+from aureole.jobs.eye_preview import eye_brightness, write_eye_preview
 from aureole.jobs.flare import FlareJob, FlareResult
 from aureole.jobs.flare_lights import Lamp
 from aureole.jobs.glare import GlareJob, GlareResult
@@ -97,6 +97,7 @@ __all__ = [
     "Viewer",
     "check_drawing",
     "check_page",
+    "eye_brightness",
     "finish",
     "lens_ghosts",
     "lens_list",

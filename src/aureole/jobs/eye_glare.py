@@ -48,7 +48,7 @@ class EyeGlareJob:
     stamps : int
         How many of the brightest sources have patterns of their own.
     kernel_size : int, optional
-        Side of the square kernel in pixels; as large as the picture's longer side otherwise.
+        Side of the square kernel in pixels; it reaches from any pixel to any other otherwise.
     precision : str
         Of the convolution, "single" or "double".
     memory : int, optional
@@ -182,15 +182,16 @@ def eye_view(job: EyeGlareJob) -> EyeView:
                 f"an eye's glare needs square pixels, not such of an aspect of {header.pixel_aspect:g}."
             )
         wide = header.display_window.width
-    side = max(rows, columns) | 1
+    # A kernel that reaches from any pixel to any other has no border that could be seen.
+    shape = glare.pattern_shape((rows, columns))
     if job.kernel_size is not None:
-        side = refuse.at_least("kernel_size", job.kernel_size, 1)
-    _refuse_memory(job, side)
+        shape = (refuse.at_least("kernel_size", job.kernel_size, 1),) * 2
+    _refuse_memory(job, shape)
     tangent = math.tan(job.eye.field_of_view / 2) / wide
     kernel = replace(
         job.eye,
-        shape=(side, side),
-        field_of_view=2 * math.atan(tangent * side),
+        shape=shape,
+        field_of_view=2 * math.atan(tangent * shape[1]),
         projection="perspective",
         colour_space=space,
         parts=None,
@@ -198,17 +199,17 @@ def eye_view(job: EyeGlareJob) -> EyeView:
     return EyeView(source, kernel, 2 * math.atan(tangent * columns))
 
 
-def _refuse_memory(job: EyeGlareJob, side: int) -> None:
+def _refuse_memory(job: EyeGlareJob, shape: tuple[int, int]) -> None:
     """Refuse a kernel and a picture that would not fit, before any work."""
     rows, columns = job.picture.pixels.shape[:2]
     grid = job.eye.grid or LARGEST_GRID
     down, across = _nodes(job)
-    kernels = down * across * BYTES_PER_KERNEL_PIXEL * side**2
+    kernels = down * across * BYTES_PER_KERNEL_PIXEL * shape[0] * shape[1]
     needed = BYTES_PER_GRID * grid**2 + kernels + BYTES_PER_PIXEL * rows * columns
     limit = picture.allowed_memory(job.memory)
     if needed > limit:
         raise refuse.Refusal(
-            f"an eye's kernel of {side} x {side} on {columns} x {rows} pixels needs about "
+            f"an eye's kernel of {shape[1]} x {shape[0]} on {columns} x {rows} pixels needs about "
             f"{needed / 1e9:.3g} GB of memory, {limit / 1e9:.3g} GB are allowed; see --memory, --kernel-size "
             "and --quick."
         )

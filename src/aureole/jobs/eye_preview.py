@@ -52,7 +52,7 @@ def write_eye_preview(path: Path, psf: Picture, field_of_view: float, projection
     figure = Figure(figsize=(whole_wide, whole_high), facecolor=BACK)
     place = (LEFT / whole_wide, BOTTOM / whole_high, wide / whole_wide, high / whole_high)
     axes = figure.add_axes(place)
-    shown, low, high = brightness(psf)
+    shown, low, high = eye_brightness(psf)
     axes.imshow(shown, interpolation="antialiased", aspect="auto")
     for axis, count in ((axes.xaxis, columns), (axes.yaxis, rows)):
         degrees, at = degree_ticks(count, columns, field_of_view, projection)
@@ -65,7 +65,7 @@ def write_eye_preview(path: Path, psf: Picture, field_of_view: float, projection
     save(path, figure)
 
 
-def brightness(psf: Picture) -> tuple[NDArray[np.float32], float, float]:
+def eye_brightness(psf: Picture) -> tuple[NDArray[np.float32], float, float]:
     """Show decades of energy as steps of brightness, each pixel in its own colour.
 
     Parameters
