@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from eye_patterns import lights
 
-from aureole import glare, picture
+from aureole import glare, picture, refuse
 from aureole.glare import Eye, EyeState, FreshGlare, RealTimeGlare, flipbook_error, make_flipbooks
 from aureole.glare.flipbook import eye_patterns
 from aureole.glare.glare_frames import pattern_field, pattern_shape
@@ -64,6 +64,15 @@ def test_the_error_of_a_wrong_eye_is_seen(flipbooks):
     """Flipbooks of a 30-year-old are no good for an eye of 85 years, which scatters thrice as much."""
     old = flipbook_error(flipbooks, replace(STATE, eye=Eye(age=85)), SIZE)
     assert old.spread < 0.75
+
+
+def test_frames_of_few_pixels_are_compared_in_fewer_rings():
+    tiny = make_flipbooks(shape=(4, 5), field_of_view=FIELD, frames=FEW, size=SIZE)
+    found = flipbook_error(tiny, STATE, SIZE)
+    assert 1 <= len(found.ratios) == len(found.edges) - 1 < 8
+    assert all(np.isfinite([*found.ratios, *found.deviations, found.spread]))
+    with pytest.raises(refuse.Refusal, match="'state' must let light through the lids"):
+        flipbook_error(tiny, replace(STATE, lid_opening=0.0), SIZE)
 
 
 def test_the_blend_between_two_pupils_is_near_the_pupil_between(flipbooks):

@@ -3,14 +3,13 @@
 Flipbooks add intensities and blend frames; a wave adds amplitudes, and its parts interfere.
 """
 
-import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import picture
+from aureole import picture, refuse
 from aureole.glare.eye import EyeState
 from aureole.glare.flipbook import SIZE, Flipbooks
 from aureole.glare.fresh_glare import FreshGlare
@@ -70,27 +69,39 @@ def flipbook_error(
     -------
     FlipbookError
         Differences in rings about a point source in the middle, and on the scene.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where no light comes through, or there are too few pixels to compare.
     """
     own = flipbooks.frames
     fresh = FreshGlare.of(
         state.eye, own.shape, own.field_of_view, own.resolution, flipbooks.colour_space, size
     )
     ours, wave = _of_point(flipbooks, state), _of_point(fresh, state)
+    if min(own.kernels.shape) < 3 or not wave.any():
+        raise refuse.Refusal(
+            "'flipbooks' must have 3 x 3 pixels, and 'state' must let light through the lids."
+        )
     middle = [n // 2 for n in ours.shape[:2]]
     y, x = (np.arange(n) - m for n, m in zip(ours.shape[:2], middle, strict=True))
     step = 2 if own.resolution == "half" else 1
     pitch = 2 * math.tan(own.field_of_view / 2) / own.shape[1] * step
     angles = np.arctan(np.hypot(y[:, None], x) * pitch)
-    edges = np.geomspace(1.5 * pitch, np.arctan(min(middle) * pitch), RINGS + 1)
-    ratios, deviations = [], []
-    for low, high in itertools.pairwise(edges):
-        ring = (angles >= low) & (angles < high)
-        mean = float(wave[ring].mean())
-        ratios.append(float(ours[ring].mean()) / mean)
-        deviations.append(float(np.sqrt(np.mean((ours[ring] - wave[ring]) ** 2))) / mean)
+    wanted = np.geomspace(0.5 * pitch, math.atan((min(middle) + 0.5) * pitch), RINGS + 1)
+    edges, ratios, deviations = [float(wanted[0])], [], []
+    for high in wanted[1:].tolist():
+        ring = (angles >= edges[-1]) & (angles < high)
+        # Near the middle, rings are wider: each has a pixel.
+        if ring.any():
+            mean = float(wave[ring].mean())
+            ratios.append(float(ours[ring].mean()) / mean)
+            deviations.append(float(np.sqrt(np.mean((ours[ring] - wave[ring]) ** 2))) / mean)
+            edges.append(high)
     spread = float(ours.sum() / wave.sum())
     judged = (None, None) if scene is None else _on_scene(flipbooks, fresh, state, scene)
-    return FlipbookError(tuple(edges.tolist()), tuple(ratios), tuple(deviations), spread, *judged)
+    return FlipbookError(tuple(edges), tuple(ratios), tuple(deviations), spread, *judged)
 
 
 def _of_point(source: GlareSource, state: EyeState) -> NDArray[np.float64]:
