@@ -15,7 +15,7 @@ from aureole.records import Stage
 from aureole.refuse import Refusal
 
 QUIET = jobs.Viewer(blinking=False)
-SMALL = jobs.EyeJob(QUIET, shape=(48, 64), grid=512)
+SMALL = jobs.EyeJob(QUIET, shape=(48, 64), grid=256)
 
 
 def scene(rows=24, columns=32):
@@ -48,7 +48,7 @@ def test_stages_grow_and_end_with_the_point_spread_function():
     assert fractions[-1] == 1
     result = stages[-1].result
     state = QUIET.state(0.0)
-    wanted = glare.eye_psf(state, (48, 64), math.radians(60), size=512)
+    wanted = glare.eye_psf(state, (48, 64), math.radians(60), size=256)
     np.testing.assert_array_equal(result.picture.pixels, wanted.pixels)
     assert result.state == state
     assert result.report["light_let_through"] == glare.open_share(state)
@@ -216,7 +216,7 @@ def animated(job, **how):
 
 def test_flipbooks_show_nearly_what_each_frame_computed_for_itself_shows():
     """Flipbooks add intensities of components at a few states; here glare is compared beyond the lamp."""
-    still = jobs.EyeGlareJob(scene(), dataclasses.replace(SMALL, grid=256), precision="single")
+    still = jobs.EyeGlareJob(scene(), SMALL, precision="single")
     two = jobs.Frames(0.25, 8.0)
     fresh, _ = animated(still, frames=two)
     quick, result = animated(still, frames=two, real_time=True)
@@ -251,13 +251,13 @@ def test_flipbooks_refuse_what_they_cannot_show(change):
 def test_frames_that_would_flash_are_held_back():
     """An eye that blinks eight times a second would make a white picture flash."""
     white = Picture(np.ones((24, 32, 3), np.float32))
-    still = jobs.EyeGlareJob(white, dataclasses.replace(SMALL, viewer=jobs.Viewer(), grid=256))
-    blinking = Blinks(opened=(1.0, 0.0) * 12)
+    still = jobs.EyeGlareJob(white, dataclasses.replace(SMALL, viewer=jobs.Viewer()))
+    blinking = Blinks(opened=(1.0, 0.0) * 8)
     flashing = dataclasses.replace(still, eye=dataclasses.replace(still.eye, viewer=blinking))
-    plain, _ = animated(flashing, frames=jobs.Frames(1.0, 24.0))
-    safe, result = animated(flashing, frames=jobs.Frames(1.0, 24.0), photosafe=True, white=1.0)
-    assert glare.flashes([frame.picture.pixels.mean() for frame in plain], 24.0) > 10
-    assert glare.flashes([frame.picture.pixels.mean() for frame in safe], 24.0) <= 3
+    plain, _ = animated(flashing, frames=jobs.Frames(1.0, 16.0))
+    safe, result = animated(flashing, frames=jobs.Frames(1.0, 16.0), photosafe=True, white=1.0)
+    assert glare.flashes([frame.picture.pixels.mean() for frame in plain], 16.0) > 5
+    assert glare.flashes([frame.picture.pixels.mean() for frame in safe], 16.0) <= 3
     assert result.report["frames_held_back"] > 0
     with pytest.raises(Refusal, match="'frames' does not go with 'photosafe'"):
         animated(still, frames=jobs.Frames(1.0, 24.0, (1, 5)), photosafe=True)
