@@ -62,29 +62,38 @@ def spread_nodes(nodes, along, after, out):  # type: ignore[no-untyped-def]
 
 
 @njit(fastmath=True, cache=True, nogil=True)
-def _raise_row(glare, i, low, row):  # type: ignore[no-untyped-def]
-    """Bring one row up from boxes of 2 x 2 pixels: 3/4 of the nearest box and 1/4 of the next, each way."""
+def widen(low, first, last, out):  # type: ignore[no-untyped-def]
+    """Bring rows of boxes of 2 pixels to pixels: 3/4 of the nearest box and 1/4 of the next."""
     near, far = np.float32(0.75), np.float32(0.25)
-    last = len(low) - 3
+    end, wide = low.shape[1] - 3, out.shape[1]
+    for i in range(first, last):
+        a, o = low[i], out[i]
+        for k in range(0, end + 3, 3):
+            before, behind = max(k - 3, 0), min(k + 3, end)
+            for c in range(3):
+                o[2 * k + c] = near * a[k + c] + far * a[before + c]
+            if 2 * k + 3 < wide:
+                for c in range(3):
+                    o[2 * k + 3 + c] = near * a[k + c] + far * a[behind + c]
+
+
+@njit(fastmath=True, cache=True, nogil=True)
+def _raise_row(glare, i, row):  # type: ignore[no-untyped-def]
+    """Bring rows of boxes of 2 pixels to one row of pixels, likewise."""
     a, b = glare[i // 2], glare[min(max(i // 2 + 2 * (i % 2) - 1, 0), len(glare) - 1)]
-    for k in range(len(low)):
-        low[k] = near * a[k] + far * b[k]
-    for k in range(0, len(low), 3):
-        before, behind = max(k - 3, 0), min(k + 3, last)
-        for c in range(3):
-            row[2 * k + c] = near * low[k + c] + far * low[before + c]
-            row[2 * k + 3 + c] = near * low[k + c] + far * low[behind + c]
+    for k in range(len(row)):
+        row[k] = np.float32(0.75) * a[k] + np.float32(0.25) * b[k]
 
 
 @njit(fastmath=True, cache=True, nogil=True)
 def take(lit, shares, down, after, glare, first, last, sums):  # type: ignore[no-untyped-def]
     """Multiply light by the share that is taken from it; add up what is taken, and the glare.
 
-    Shares are rows at nodes; row i lies at `after[i]` of the way from node `down[i]` to the next. Sums are
-    (2, 3 columns): a number for each column, of the rows from `first` to `last`.
+    The glare may have half as many rows. Shares are rows at nodes; row i lies at `after[i]` of the way from
+    node `down[i]` to the next. Sums are (2, 3 columns): a number for each column, of the rows from `first` to
+    `last`.
     """
-    low = np.empty(glare.shape[1], np.float32)
-    row = np.empty(2 * glare.shape[1], np.float32)
+    row = np.empty(glare.shape[1], np.float32)
     taken, found = sums[0], sums[1]
     taken[:], found[:] = 0, 0
     for i in range(first, last):
@@ -93,8 +102,8 @@ def take(lit, shares, down, after, glare, first, last, sums):  # type: ignore[no
             value = light[k] * (a[k] + t * (b[k] - a[k]))
             light[k] = value
             taken[k] += value
-        if len(glare) < len(lit) or glare.shape[1] < lit.shape[1]:
-            _raise_row(glare, i, low, row)
+        if len(glare) < len(lit):
+            _raise_row(glare, i, row)
             for k in range(len(light)):
                 found[k] += row[k]
         else:
@@ -112,11 +121,10 @@ def _lay_row(p, taken, g, less, more, dimming, o):  # type: ignore[no-untyped-de
 @njit(fastmath=True, cache=True, nogil=True)
 def lay(pixels, taken, glare, less, more, dimming, first, last, out):  # type: ignore[no-untyped-def]
     """Take from the pixels what was taken, add the glare, and dim both; factors are given for each column."""
-    low = np.empty(glare.shape[1], np.float32)
-    row = np.empty(2 * glare.shape[1], np.float32)
+    row = np.empty(glare.shape[1], np.float32)
     for i in range(first, last):
-        if len(glare) < len(out) or glare.shape[1] < out.shape[1]:
-            _raise_row(glare, i, low, row)
+        if len(glare) < len(out):
+            _raise_row(glare, i, row)
             _lay_row(pixels[i], taken[i], row, less, more, dimming, out[i])
         else:
             _lay_row(pixels[i], taken[i], glare[i], less, more, dimming, out[i])

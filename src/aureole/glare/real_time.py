@@ -85,6 +85,8 @@ class RealTimeGlare:
         self._lit = np.empty((rows, 3 * columns), dtype=np.float32)
         self._low = np.empty((low_rows, 3 * low_columns), dtype=np.float32) if self._is_half else self._lit
         self._glare = np.empty((low_rows, 3 * low_columns), dtype=np.float32)
+        wide = (low_rows, 3 * columns)
+        self._wide = np.empty(wide, dtype=np.float32) if self._is_half else self._glare
         self._tasks = [*range(0, rows, -(-rows // (4 * self._threads))), rows]
         self._sums = np.empty((len(self._tasks) - 1, 2, 3 * columns), dtype=np.float32)
         step = 2 if self._is_half else 1
@@ -150,12 +152,18 @@ class RealTimeGlare:
         low = (*self.source.frames.kernels.shape, 3)
         lowest = 0.0 if float(self._low.min()) >= 0 else -np.inf
         yield from self._convolve.steps(self._low.reshape(low), mix, self._glare.reshape(low), lowest)
+        if self._is_half:
+            self._share_rows(
+                lambda _, first, last: _kernels_real_time.widen(
+                    self._glare, (first + 1) // 2, (last + 1) // 2, self._wide
+                )
+            )
         less, more = (np.tile(factors, out.shape[1]) for factors in self._take(mix))
         dimming = np.float32(self.source.open_share(state) if self.dimming else 1)
         rows = out.reshape(picture.shape)
         self._share_rows(
             lambda _, first, last: _kernels_real_time.lay(
-                picture, self._lit, self._glare, less, more, dimming, first, last, rows
+                picture, self._lit, self._wide, less, more, dimming, first, last, rows
             )
         )
         yield "laying over"
@@ -174,7 +182,11 @@ class RealTimeGlare:
 
         self._share_rows(weigh)
         if self._is_half:
-            _kernels_real_time.boxes(self._lit, 0, len(self._low), self._low)
+            self._share_rows(
+                lambda _, first, last: _kernels_real_time.boxes(
+                    self._lit, (first + 1) // 2, (last + 1) // 2, self._low
+                )
+            )
 
     def _take(self, mix: list[tuple[int, float]]) -> tuple[Pixels, Pixels]:
         """Work out what is taken from each pixel; return each channel's factors on that and on the glare."""
@@ -183,7 +195,7 @@ class RealTimeGlare:
         shares, (down, after) = self._shares(mix), self._down
         self._share_rows(
             lambda task, first, last: _kernels_real_time.take(
-                self._lit, shares, down, after, self._glare, first, last, self._sums[task]
+                self._lit, shares, down, after, self._wide, first, last, self._sums[task]
             )
         )
         as_is = np.ones(3, dtype=np.float32)
