@@ -72,8 +72,8 @@ def photograph(path: Path, age: float) -> Pixels:
     scene = picture.read(path)
     state = glare.EyeState.at(1.0, DUSK, age=age, field_of_view=PHOTOGRAPH_FIELD, blinking=False)
     rows, columns = scene.pixels.shape[:2]
-    spread = 2 * np.arctan(2 * np.tan(PHOTOGRAPH_FIELD / 2))
-    psf = glare.eye_psf(state, (2 * rows, 2 * columns), spread, projection="perspective")
+    wide = glare.pattern_field((rows, columns), PHOTOGRAPH_FIELD)
+    psf = glare.eye_psf(state, glare.pattern_shape((rows, columns)), wide, projection="perspective")
     found = glare.eye_composite(scene, psf, field_of_view=PHOTOGRAPH_FIELD)
     before, after = (float(each.pixels[..., :3].sum(dtype=np.float64)) for each in (scene, found))
     change = after / before - 1

@@ -9,6 +9,7 @@ square metre, drawn in perspective, and every seed is written here.
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -73,14 +74,15 @@ def dark(view: View, luminance: float) -> Reals:
     return np.tile(tinted((0.8, 0.95, 1.2), luminance), (rows, columns, 1))
 
 
-def seen(
-    scene: Picture, view: View, state: "glare.EyeState", source: tuple[float, float] = (0.0, 0.0)
-) -> Picture:
+def pattern(view: View, state: "glare.EyeState", source: tuple[float, float] = (0.0, 0.0)) -> Picture:
+    """Return an eye's pattern that reaches from any pixel of a view to any other."""
+    shape, field = glare.pattern_shape(view.shape), glare.pattern_field(view.shape, np.radians(view.field))
+    return glare.eye_psf(state, shape, field, projection="perspective", source=source)
+
+
+def seen(scene: Picture, view: View, state: "glare.EyeState") -> Picture:
     """Return what the eye makes of a scene; light that would leave the frame stays where it was."""
-    field = np.radians(view.field)
-    (rows, columns), spread = view.shape, 2 * np.arctan(2 * np.tan(field / 2))
-    psf = glare.eye_psf(state, (2 * rows, 2 * columns), spread, projection="perspective", source=source)
-    return glare.eye_composite(scene, psf, field_of_view=field)
+    return glare.eye_composite(scene, pattern(view, state), field_of_view=np.radians(view.field))
 
 
 def shown(scene: Picture, stops: float) -> Pixels:
@@ -281,14 +283,7 @@ def moving() -> Pixels:
     open_eye = glare.EyeState.at(1.0, 0.3, field_of_view=np.radians(view.field), blinking=False)
     state = replace(open_eye, lid_opening=0.75)
     samples = sum(_lamp(view, x, y) for x, y in ((-16.0, 1.0), (0.0, 0.0), (16.0, -1.0)))
-    field = np.radians(view.field)
-    spread = 2 * np.arctan(2 * np.tan(field / 2))
-
-    def psf_at(source: tuple[float, float]) -> Picture:
-        shape = (2 * view.shape[0], 2 * view.shape[1])
-        return glare.eye_psf(state, shape, spread, projection="perspective", source=source)
-
-    ready = glare.eye_field(psf_at, view.shape, field, nodes=(1, 7))
+    ready = glare.eye_field(partial(pattern, view, state), view.shape, np.radians(view.field), (1, 7))
     return shown(glare.eye_composite(view.picture(samples), ready), -5.3)
 
 

@@ -64,7 +64,7 @@ from aureole.glare.flipbook import FRAMES, Flipbooks, eye_patterns, make_flipboo
 from aureole.glare.flipbook_error import FlipbookError, flipbook_error
 from aureole.glare.flipbook_files import load_flipbooks, save_flipbooks
 from aureole.glare.fresh_glare import FreshGlare
-from aureole.glare.glare_frames import pattern_shape
+from aureole.glare.glare_frames import pattern_field, pattern_shape
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
 from aureole.glare.photosafe import FlashLimiter, flash_measures, flashes
 from aureole.glare.real_time import RealTimeGlare
@@ -130,6 +130,7 @@ __all__ = [
     "make_flipbooks_stages",
     "nonnegative",
     "open_share",
+    "pattern_field",
     "pattern_shape",
     "populations",
     "prepare",
