@@ -9,6 +9,7 @@ TO=docs/pictures
 
 # Patterns: ages and pupils, the parts one by one, the veil beside the standard, two seconds.
 $PYTHON docs/eye_pictures.py patterns $TO/eye-patterns.jpg
+$PYTHON docs/eye_pictures.py front $TO/eye-front.jpg
 $PYTHON docs/eye_pictures.py parts $TO/eye-parts.jpg
 $PYTHON docs/eye_pictures.py veil $TO/eye-veil.png
 $PYTHON docs/eye_pictures.py time $TO/eye-time.jpg

@@ -1,12 +1,14 @@
 """Draw the eye's point spread function, and a photograph as eyes of two ages see it.
 
     python docs/eye_pictures.py patterns PICTURE
+    python docs/eye_pictures.py front PICTURE
     python docs/eye_pictures.py parts PICTURE
     python docs/eye_pictures.py veil PICTURE
     python docs/eye_pictures.py time PICTURE
     python docs/eye_pictures.py photograph FILE AGE PICTURE
 
 patterns: ages of 30 and 70 (across), pupils of 3 and 7 mm (down).
+front: the parts as they stand before the pupil, the lids open and closing.
 parts: what pupil, particles, fibres and lashes do one by one, their sum as the thesis adds them, and the
 whole as one wave.
 veil: the mean over each circle about the core, beside CIE 135.
@@ -43,6 +45,15 @@ def patterns() -> Pixels:
         states = [replace(_state(age), pupil_diameter=pupil) for age in AGES]
         rows.append([_drawn(glare.eye_psf(state, (SIZE, SIZE), FIELD)) for state in states])
     return _sheet(rows)
+
+
+def front() -> Pixels:
+    """Return what stands before and in a pupil of 6.5 mm, for three openings of the lids."""
+    state = replace(_state(30.0), pupil_diameter=6.5e-3)
+    states = [replace(state, lid_opening=opening) for opening in (1.0, 0.6, 0.3)]
+    drawings = [picture.to_display(glare.eye_picture(each, 300), 0.0, "clip") for each in states]
+    close = picture.to_display(glare.eye_picture(state, 300, 1.5e-3), 0.0, "clip")
+    return _sheet([[*drawings, close]])
 
 
 def parts() -> Pixels:
@@ -152,4 +163,6 @@ if __name__ == "__main__":
     elif kind == "photograph":
         write(photograph(Path(rest[0]), float(rest[1])), Path(rest[2]))
     else:
-        write({"patterns": patterns, "parts": parts, "time": over_time}[kind](), Path(rest[0]))
+        write(
+            {"patterns": patterns, "front": front, "parts": parts, "time": over_time}[kind](), Path(rest[0])
+        )
