@@ -223,6 +223,8 @@ REFUSALS = [
     (["eye", "-o", "a.exr", "--time=-2"], "'time'"),
     (["eye", "-o", "a.exr", "--size", "0"], "'size'"),
     (["eye", "-o", "a.exr", "--quick", "--grid", "512"], "give one of them"),
+    (["eye", "-o", "a.exr", "--grid", "513"], "'grid' must be an even number from 64"),
+    (["eye", "-o", "a.exr", "--size", "90000"], "see --size and --quick"),
     (["eye", "-o", "a.exr", "--combine", "magic"], "'coherent', 'thesis'"),
     (["eye", "-o", "a.exr", "--source", "10deg"], "two angles"),
     (["eye", "-o", "a.exr", "--fps", "24"], "'fps' needs 'animate'"),

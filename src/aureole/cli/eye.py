@@ -103,7 +103,8 @@ def eye(
 
         aureole eye -o soft.exr --defocus 0.5D --zernike coma-x=100nm --field-of-view 2deg
 
-        aureole eye -o thesis.exr --preset ritschel-2009 --combine thesis --field-of-view 10deg
+        aureole eye -o thesis.exr --preset ritschel-2009 --combine thesis --luminance 0.01cd/m2
+        --field-of-view 4deg
 
         aureole eye --animate 4s --fps 24 --luminance-from 0.1cd/m2 --luminance-to 100cd/m2 --quick
         -o psf.####.exr --contact-sheet psf.png

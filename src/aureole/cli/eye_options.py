@@ -39,7 +39,7 @@ class EyeFlags:
         str | None,
         typer.Option(
             "--luminance",
-            help="What the eye is adapted to, with its unit: 0.1cd/m2 a moonlit street, 10cd/m2 (unless "
+            help="What the eye is adapted to, with its unit: 0.1cd/m2 a dark street, 10cd/m2 (unless "
             "given) a lit one, 100cd/m2 a room, 1000cd/m2 and more daylight. It sets the pupil. Or as it "
             "changes: 0s:0.1cd/m2,1s:100cd/m2.",
             rich_help_panel=WORLD,
@@ -102,7 +102,9 @@ class EyeFlags:
     ] = None
     lashes: Annotated[
         int | None,
-        typer.Option("--lashes", help="Eyelashes in front of the pupil: 0 to 12.", rich_help_panel=EYE),
+        typer.Option(
+            "--lashes", help="Eyelashes in front of the pupil: 6 unless given.", rich_help_panel=EYE
+        ),
     ] = None
     particles: Annotated[
         str | None,

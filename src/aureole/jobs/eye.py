@@ -18,6 +18,10 @@ COMBINATIONS = ("coherent", "thesis")
 # Samples on each side of the pupil's plane for a quick look; the whole computation chooses its own.
 QUICK_GRID = 1024
 WIDEST = {"angle": math.pi, "perspective": math.radians(179)}
+# Samples on each side of the pupil's plane, of which there is an even number.
+LEAST_GRID, MOST_GRID = 64, 16384
+# Measured peaks, rounded up: the pupil's own grid, that large at most unless asked for, and the kernel.
+BYTES_PER_SAMPLE, LARGEST_GRID, BYTES_PER_PIXEL = 40, 4096, 60
 # Less light than this part of an open eye's passes lids that are shut.
 SHUT = 1e-3
 
@@ -191,6 +195,36 @@ def check_eye(job: EyeJob) -> None:
     refuse.one_of("colour-space", job.colour_space, light.SPACES)
     check_field(job.field_of_view, job.projection)
     light.illuminant(job.illuminant)
+    needed = check_grid(job.grid) + BYTES_PER_PIXEL * job.shape[0] * job.shape[1]
+    limit = picture.allowed_memory()
+    if needed > limit:
+        raise refuse.Refusal(
+            f"{job.shape[1]} x {job.shape[0]} pixels of an eye's pattern need about {needed / 1e9:.3g} GB of "
+            f"memory, {limit / 1e9:.3g} GB are allowed; see --size and --quick."
+        )
+
+
+def check_grid(grid: int | None) -> int:
+    """Refuse a grid on the pupil's plane that cannot be.
+
+    Parameters
+    ----------
+    grid : int, optional
+        Samples on each side.
+
+    Returns
+    -------
+    int
+        Bytes that its transforms take.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where it is odd, too small or too large.
+    """
+    if grid is not None and (grid % 2 or not LEAST_GRID <= grid <= MOST_GRID):
+        raise refuse.Refusal(f"'grid' must be an even number from {LEAST_GRID} to {MOST_GRID}, got {grid}.")
+    return BYTES_PER_SAMPLE * (grid or LARGEST_GRID) ** 2
 
 
 def check_field(field_of_view: float, projection: str) -> float:

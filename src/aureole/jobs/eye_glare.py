@@ -11,15 +11,21 @@ from numpy.typing import NDArray
 
 from aureole import glare, light, picture, refuse
 from aureole.glare import EyeComposition, EyeState
-from aureole.jobs.eye import EyeJob, check_field, psf_numbers, psf_stages, refuse_shut, shared_report
+from aureole.jobs.eye import (
+    EyeJob,
+    check_field,
+    check_grid,
+    psf_numbers,
+    psf_stages,
+    refuse_shut,
+    shared_report,
+)
 from aureole.jobs.glare import in_working_space, picture_sums
 from aureole.records import Picture, Stage
 
 RESOLUTIONS = ("full", "half")
-# Measured peaks, rounded up: the pupil's own grid, the kernel, and the convolution's spectra.
-BYTES_PER_GRID, LARGEST_GRID = 40, 4096
-BYTES_PER_KERNEL_PIXEL = 60
-BYTES_PER_PIXEL = 150
+# Measured peaks, rounded up: the kernel, and the convolution's spectra.
+BYTES_PER_PATTERN_PIXEL, BYTES_PER_PIXEL = 60, 150
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,10 +208,9 @@ def eye_view(job: EyeGlareJob) -> EyeView:
 def _refuse_memory(job: EyeGlareJob, shape: tuple[int, int]) -> None:
     """Refuse a kernel and a picture that would not fit, before any work."""
     rows, columns = job.picture.pixels.shape[:2]
-    grid = job.eye.grid or LARGEST_GRID
     down, across = _nodes(job)
-    kernels = down * across * BYTES_PER_KERNEL_PIXEL * shape[0] * shape[1]
-    needed = BYTES_PER_GRID * grid**2 + kernels + BYTES_PER_PIXEL * rows * columns
+    kernels = down * across * BYTES_PER_PATTERN_PIXEL * shape[0] * shape[1]
+    needed = check_grid(job.eye.grid) + kernels + BYTES_PER_PIXEL * rows * columns
     limit = picture.allowed_memory(job.memory)
     if needed > limit:
         raise refuse.Refusal(
