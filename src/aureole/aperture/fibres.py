@@ -17,8 +17,10 @@ from aureole.aperture.bands import in_bands
 from aureole.aperture.chances import uniform
 from aureole.records import Outline
 
-# Breadth of a ring in which the number of fibres stays the same, metres.
+# Mean breadth of a ring in which the number of fibres stays the same, metres.
 SHELL = 0.25e-3
+# By how much of a shell its borders stray in all.
+UNEVEN = 0.7
 # Fewer bars do not make a grating.
 FEWEST = 3
 
@@ -60,14 +62,14 @@ def fibres(
     count : int, optional
         Of fibres from the inner to the outer radius, instead of a width.
     seed : int or sequence of int
-        Of the shells' phases.
+        Of the shells' phases and borders.
     shell : float
-        Largest breadth of a shell, metres.
+        Largest mean breadth of a shell, metres.
 
     Returns
     -------
     Fibres
-        Shells of equal breadth.
+        Shells of about equal breadth.
 
     Raises
     ------
@@ -86,6 +88,8 @@ def fibres(
         refuse.positive("width", width)
         shells = math.ceil((outer - inner) / refuse.positive("shell", shell) - 1e-9)
         radii = np.linspace(inner, outer, shells + 1)
+        # Equal shells would differ by equal counts, whose beat is a comb in the ring of light.
+        radii[1:-1] += UNEVEN * (outer - inner) / shells * (uniform(seed, 2 * shells - 1)[shells:] - 0.5)
         counts = np.rint(math.pi * (radii[1:] + radii[:-1]) / width).astype(np.int64)
         refuse.at_least("fibres of the innermost shell", int(counts[0]), FEWEST)
     return Fibres(radii, counts.astype(np.int64), uniform(seed, len(counts)))
