@@ -74,7 +74,9 @@ def over_time() -> Pixels:
     frames = []
     for index in range(12):
         state = glare.EyeState.at(index / 6, 0.3, eye=eye)
-        frames.append(_drawn(glare.eye_psf(state, (size, size), FIELD)))
+        psf = glare.eye_psf(state, (size, size), FIELD)
+        # A pattern sums to 1; what the lids let through of the light is seen.
+        frames.append(_drawn(Picture(psf.pixels * np.float32(glare.open_share(state)), psf.colour_space)))
     return _sheet([frames[:6], frames[6:]])
 
 

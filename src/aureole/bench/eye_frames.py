@@ -199,7 +199,7 @@ def memory(viewports: Sequence[tuple[int, int]]) -> Iterator[Stage]:
     )
     each = ", ".join(f"{name} {count}" for name, count in counts.items())
     notes = (
-        f"Frames: {each}; what lies between is interpolated. Real half spectra in half precision, padded. "
+        f"Frames: {each}; what lies between is interpolated. Real half spectra in 16 bits, padded. "
         "The thesis keeps 60 frames of each component, complex, in a frame that holds its padding.",
     )
     yield Stage(1.0, "memory", (Table("memory", "Memory of flipbooks", columns, tuple(rows), notes),))
