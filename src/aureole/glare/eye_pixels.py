@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import refuse
-from aureole.glare.eye_wave import Level, Wave, in_bands
+from aureole.aperture.bands import in_bands
+from aureole.glare.eye_wave import Level, Wave
 
 PROJECTIONS = ("angle", "perspective")
 # Pixels so near the axis are divided along both sides, those about it into more parts.
@@ -194,7 +195,7 @@ def _add_level(
     part = np.zeros((y.size, x.size, 3), dtype=np.float32)
     numbers = 1 / (wavelengths * level.spacing), weights.astype(np.float32)
     arguments = level.table, *level.origin, *numbers, along_y, along_x, part
-    in_bands(_kernels_eye.add_pixels, y.size, *arguments)
+    in_bands(lambda low, high: _kernels_eye.add_pixels(low, high, *arguments), y.size)
     if level.is_half:
         # The other half is this one turned by 180 degrees.
         part[:, 0] += part[::-1, 0]

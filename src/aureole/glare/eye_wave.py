@@ -8,18 +8,14 @@ power falls into exactly one pixel.
 A real amplitude has one pattern for all wavelengths, wider or narrower: a direction has sin θ = λ f.
 """
 
-import itertools
 import math
-import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aureole import diffraction, refuse
+from aureole.aperture.bands import in_bands
 from aureole.records import Aperture, Grid
 
 # The pattern fades over log frequency between these parts of half a cycle per pixel.
@@ -32,8 +28,6 @@ FEWEST_CELLS, COARSEST_FINER = 2.0, 3
 MOST_FINE, MOST_FINE_COMPLEX = 3000, 800
 # A coarser raster does where frequencies stay below this part of half a cycle of its pixels.
 LOW_FREQUENCIES, MOST_JOINED = 0.12, 16
-# Rows are shared out among processors in so many bands.
-BANDS = 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,24 +159,6 @@ def wave_of(opening: Aperture, energy: float, view: View, wavelength: float | No
     return Wave(tuple(levels), fade)
 
 
-def in_bands(kernel: Callable[..., None], rows: int, *arguments: Any) -> None:
-    """Run a compiled loop over rows on all processors, a band of rows at a time.
-
-    Parameters
-    ----------
-    kernel : callable
-        Takes the first row of a band, the row after its last, and the arguments.
-    rows : int
-        Number of rows.
-    *arguments
-        The loop's others.
-    """
-    edges = np.linspace(0, rows, min(rows, BANDS) + 1).astype(int).tolist()
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        for done in [pool.submit(kernel, low, high, *arguments) for low, high in itertools.pairwise(edges)]:
-            done.result()
-
-
 def fade_share(frequencies: NDArray[np.float64], fade: tuple[float, float]) -> NDArray[np.float64]:
     """Return the part of the pattern that is left at frequencies where it fades.
 
@@ -258,7 +234,7 @@ class _Lattice:
         )
         table[0] = 0
         arguments = self.power, self.y, self.x, gain_y, gain_x, hole, *fade, table[1:]
-        in_bands(_kernels_eye.add_along_rows, len(self.y), *arguments)
+        in_bands(lambda low, high: _kernels_eye.add_along_rows(low, high, *arguments), len(self.y))
         np.cumsum(table, axis=0, out=table)
         half_x = 0.5 if self.is_half else len(self.x) / 2
         return Level(table, (len(self.y) / 2, half_x), self.spacing, self.is_half, is_core)
