@@ -12,6 +12,7 @@ presets       named irises, cameras, lenses and glasses, as data
 diffraction   how a blocked wave spreads
 glare         point spread functions and compositing
 flare         lenses and their ghosts
+surface       diffractive surfaces, from a pattern or a grating to a table
 jobs          what the command line and other faces call
 bench         the papers' tables and the peers, measured on this machine
 cli           the command `aureole`
@@ -40,11 +41,11 @@ from aureole.records import (
 from aureole.refuse import Refusal
 
 if TYPE_CHECKING:
-    from aureole import aperture, diffraction, flare, glare, jobs, light, picture, presets
+    from aureole import aperture, diffraction, flare, glare, jobs, light, picture, presets, surface
 
 __version__ = "0.1.0"
 
-_ROOMS = ("aperture", "diffraction", "flare", "glare", "jobs", "light", "picture", "presets")
+_ROOMS = ("aperture", "diffraction", "flare", "glare", "jobs", "light", "picture", "presets", "surface")
 
 __all__ = [
     "Aperture",
@@ -66,6 +67,7 @@ __all__ = [
     "light",
     "picture",
     "presets",
+    "surface",
 ]
 
 

@@ -1,0 +1,275 @@
+"""From a pattern at one to three wavelengths, or a formula, to a table for all of a light's wavelengths.
+
+One wavelength diffracts S_λ(h) = (λ_m / λ)^p M(λ_m h / λ), M being the pattern at λ_m. Eq. 6 of the
+surface paper holds one 1/λ² already, so a relief that shifts the phase (Eq. 8) has p = 4, and a grating of
+mirrors and gaps p = 2, which keeps its energy. The table is S_X = ∫ S_λ P x̄ dλ / ∫ P ȳ dλ (Eq. 12), so too
+for Y and Z. Pattern and formula are the surface's own: no F, no G and no 4π² in them.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import light, refuse
+from aureole.light.lookups import stretched_at
+from aureole.records import Spectrum, Stage
+from aureole.surface.pattern import DiffractionPattern, on_grid
+from aureole.surface.table import (
+    HALF_RANGE,
+    MODELS,
+    SIZE,
+    WARP,
+    WAVELENGTHS,
+    ScatterTable,
+    axis,
+    checked_half_range,
+    checked_warp,
+    scatter_table,
+)
+
+METHODS = ("auto", "reference", "separable")
+Bands = list[tuple[DiffractionPattern, NDArray[np.float64], NDArray[np.float64]]]
+
+_ROWS = 256  # rows of a table between two stages
+
+
+def table_from_pattern(
+    patterns: DiffractionPattern | Sequence[DiffractionPattern],
+    spectrum: Spectrum | str = "E",
+    size: int | tuple[int, int] = SIZE,
+    half_range: float = HALF_RANGE,
+    warp: int = WARP,
+    model: str = "phase",
+    method: str = "auto",
+    wavelengths: int = WAVELENGTHS,
+    zero_order: str = "keep",
+    metadata: Mapping[str, Any] | None = None,
+) -> ScatterTable:
+    """Integrate a pattern over the wavelengths of a light (surface paper, Eq. 12 and 15).
+
+    Parameters
+    ----------
+    patterns : DiffractionPattern or sequence of them
+        The pattern at one wavelength, or at several: then each is scaled to the wavelength, and the two
+        nearest are mixed linearly in wavelength; beyond the outermost there is one alone.
+    spectrum : Spectrum or str
+        The light, or an illuminant's name.
+    size : int or tuple of int
+        Samples of the table, or its (rows, columns).
+    half_range : float
+        h of the table's outermost samples, at most 2.
+    warp : int
+        n of h = half_range · uⁿ, odd.
+    model : {"phase", "amplitude", "paper"}
+        Power p of λ_m / λ: 4, 2, and 2 as in the paper's Eq. 15.
+    method : {"auto", "separable", "reference"}
+        "separable" mixes two rows of the pattern for a row of the table, then looks up along it, in
+        float32; "reference" adds bilinear look-ups in float64. "auto" is "separable".
+    wavelengths : int
+        Number of wavelengths; those without light are left out, and lines are themselves.
+    zero_order : {"keep", "remove", "specular"}
+        What became of the light about h = 0 in the pattern.
+    metadata : Mapping or None
+        What else the table shall say.
+
+    Returns
+    -------
+    ScatterTable
+        In XYZ relative to the light's luminance.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where an input is not as described.
+    """
+    for stage in table_from_pattern_stages(
+        patterns, spectrum, size, half_range, warp, model, method, wavelengths, zero_order, metadata
+    ):
+        last = stage
+    table: ScatterTable = last.result
+    return table
+
+
+def table_from_pattern_stages(
+    patterns: DiffractionPattern | Sequence[DiffractionPattern],
+    spectrum: Spectrum | str = "E",
+    size: int | tuple[int, int] = SIZE,
+    half_range: float = HALF_RANGE,
+    warp: int = WARP,
+    model: str = "phase",
+    method: str = "auto",
+    wavelengths: int = WAVELENGTHS,
+    zero_order: str = "keep",
+    metadata: Mapping[str, Any] | None = None,
+) -> Iterator[Stage]:
+    """Do what `table_from_pattern` does, with a stage after every few rows.
+
+    Parameters
+    ----------
+    patterns, spectrum, size, half_range, warp, model, method, wavelengths, zero_order, metadata
+        As for `table_from_pattern`.
+
+    Yields
+    ------
+    Stage
+        The last one holds the table.
+    """
+    refuse.one_of("method", method, METHODS)
+    refuse.one_of("model", model, MODELS)
+    source = as_spectrum(spectrum)
+    bands = weighed_bands(patterns, source, MODELS[model], wavelengths)
+    rows, columns = checked_size(size)
+    t = axis(columns, checked_half_range(half_range), checked_warp(warp))
+    down = axis(rows, half_range, warp)  # −h · b of the rows
+    values = np.empty((rows, columns, 3), np.float32)
+    add = _reference if method == "reference" else _separable
+    for start in range(0, rows, _ROWS):
+        yield Stage(start / rows, "adding wavelengths")
+        add(bands, down[start : start + _ROWS], t, values[start : start + _ROWS])
+    notes = {"patterns": [_described(band[0]) for band in bands], **(metadata or {})}
+    white = light.white(source)
+    yield Stage(
+        1.0,
+        "table",
+        scatter_table(values, white, half_range, warp, source.name, model, zero_order, notes),
+    )
+
+
+def as_spectrum(spectrum: Spectrum | str) -> Spectrum:
+    """Return a light given by itself or by its name.
+
+    Parameters
+    ----------
+    spectrum : Spectrum or str
+        A light, or what `light.illuminant` takes.
+
+    Returns
+    -------
+    Spectrum
+        The light.
+    """
+    return light.illuminant(spectrum) if isinstance(spectrum, str) else spectrum
+
+
+def checked_size(size: int | tuple[int, int]) -> tuple[int, int]:
+    """Return a table's (rows, columns).
+
+    Parameters
+    ----------
+    size : int or tuple of int
+        One number for both, or both.
+
+    Returns
+    -------
+    tuple of int
+        Rows and columns, at least 2 each.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is smaller, or no integer.
+    """
+    rows, columns = (size, size) if isinstance(size, int | np.integer) else size
+    return refuse.at_least("size", rows, 2), refuse.at_least("size", columns, 2)
+
+
+def weighed_bands(
+    patterns: DiffractionPattern | Sequence[DiffractionPattern],
+    spectrum: Spectrum,
+    power: float,
+    wavelengths: int,
+) -> Bands:
+    """Say how each pattern enters the sum over wavelengths.
+
+    Parameters
+    ----------
+    patterns : DiffractionPattern or sequence of them
+        At different wavelengths.
+    spectrum : Spectrum
+        The light.
+    power : float
+        p of (λ_m / λ)^p.
+    wavelengths : int
+        Number of wavelengths of the sum.
+
+    Returns
+    -------
+    list of (DiffractionPattern, ndarray (W,), ndarray (W, 3))
+        For each pattern its scales λ_m / λ and the weights for X, Y and Z, (λ_m / λ)^p in them. Where a
+        pattern has no weight the wavelength is left out.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where there is no pattern, or two are of one wavelength.
+    """
+    given = [patterns] if isinstance(patterns, DiffractionPattern) else list(patterns)
+    if not given:
+        raise refuse.Refusal("'patterns' needs one pattern or more, got none.")
+    given.sort(key=lambda pattern: pattern.wavelength)
+    centres = np.array([pattern.wavelength for pattern in given])
+    if np.any(np.diff(centres) <= 0):
+        raise refuse.Refusal("'patterns' must be of different wavelengths; two are of the same.")
+    places, weights = light.quadrature(spectrum, wavelengths)
+    bands = []
+    for k, pattern in enumerate(given):
+        share = np.interp(places, centres, np.eye(centres.size)[k])
+        lit = share > 0
+        scales = pattern.wavelength / places[lit]
+        bands.append((pattern, scales, weights[lit] * (share[lit] * scales**power)[:, None]))
+    return bands
+
+
+def _separable(
+    bands: Bands, down: NDArray[np.float64], t: NDArray[np.float64], out: NDArray[np.float32]
+) -> None:
+    """Fill rows of a table by the separable look-ups of the spectral sum."""
+    out[:] = 0.0
+    for pattern, scales, weights in bands:
+        if scales.size:
+            out += stretched_at(on_grid(pattern), scales, weights, down, t, taps=2)
+
+
+def _reference(
+    bands: Bands, down: NDArray[np.float64], t: NDArray[np.float64], out: NDArray[np.float32]
+) -> None:
+    """Fill rows of a table by bilinear look-ups in float64, one wavelength after the other."""
+    total = np.zeros(out.shape)
+    for pattern, scales, weights in bands:
+        for scale, weight in zip(scales, weights, strict=True):
+            total += bilinear(pattern, scale * t[None, :], -scale * down[:, None])[:, :, None] * weight
+    out[:] = total
+
+
+def bilinear(
+    pattern: DiffractionPattern, h_t: NDArray[np.float64], h_b: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Read a pattern at any h, bilinear between its samples, which have zeros for neighbours outside.
+
+    Parameters
+    ----------
+    pattern : DiffractionPattern
+        Any.
+    h_t, h_b : ndarray of float64
+        Of shapes that broadcast.
+
+    Returns
+    -------
+    ndarray of float64
+        Of the shape they broadcast to.
+    """
+    rows, columns = pattern.values.shape
+    framed = np.pad(pattern.values.astype(np.float64), 2)
+    y = np.clip((1.0 - h_b / pattern.half_range) * (rows - 1) / 2, -2.0, rows) + 2.0
+    x = np.clip((1.0 + h_t / pattern.half_range) * (columns - 1) / 2, -2.0, columns) + 2.0
+    i, j = y.astype(np.int64), x.astype(np.int64)
+    upper = (1 - (x - j)) * framed[i, j] + (x - j) * framed[i, j + 1]
+    lower = (1 - (x - j)) * framed[i + 1, j] + (x - j) * framed[i + 1, j + 1]
+    found: NDArray[np.float64] = (1 - (y - i)) * upper + (y - i) * lower
+    return found
+
+
+def _described(pattern: DiffractionPattern) -> dict[str, Any]:
+    return {"name": pattern.name, "wavelength": pattern.wavelength, "half_range": pattern.half_range}
