@@ -169,7 +169,7 @@ def check(kind: str, data: Mapping[str, Any], where: str) -> Any:
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise _first_refusal(where, error, model) from None
+        raise first_refusal(where, error, model) from None
 
 
 def _toml(text: str, where: str) -> dict[str, Any]:
@@ -181,7 +181,23 @@ def _toml(text: str, where: str) -> dict[str, Any]:
         raise refuse.Refusal(f"'{where}' is not a preset: its values are nested too deeply.") from None
 
 
-def _first_refusal(where: str, error: ValidationError, model: type[BaseModel]) -> refuse.Refusal:
+def first_refusal(where: str, error: ValidationError, model: type[BaseModel]) -> refuse.Refusal:
+    """Say the first thing that is wrong with a file's keys, a misspelt key before all others.
+
+    Parameters
+    ----------
+    where : str
+        The file's name.
+    error : ValidationError
+        What pydantic found.
+    model : type
+        What the file should hold.
+
+    Returns
+    -------
+    refuse.Refusal
+        One line, to be raised by the caller.
+    """
     errors = error.errors()
     # A misspelt key is also a missing one; the misspelling says more.
     first = next((found for found in errors if found["type"] == "extra_forbidden"), errors[0])

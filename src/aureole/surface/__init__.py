@@ -9,6 +9,7 @@ G = 1 at normal incidence (Stam's own G is 4 there).
 - `integrate.py`: from patterns to a table, all wavelengths of a light; METHODS.
 - `function.py`: from a formula to a table, sharp orders averaged over cells.
 - `albedo.py`: how much light a table sends back, and tables that send back no more than came.
+- `pfm.py`: portable float maps.
 - `table_files.py`: tables as EXR, PFM and NPZ with a JSON sidecar.
 """
 
@@ -16,7 +17,9 @@ from aureole.surface.albedo import albedo, albedo_bound, normalised
 from aureole.surface.function import table_from_function, table_from_function_stages
 from aureole.surface.integrate import METHODS, table_from_pattern, table_from_pattern_stages
 from aureole.surface.pattern import DiffractionPattern, diffraction_pattern
+from aureole.surface.pfm import read_pfm, write_pfm
 from aureole.surface.table import MODELS, ScatterTable, lookup, rgb, scatter_table
+from aureole.surface.table_files import read_table, sidecar_of, write_table
 
 __all__ = [
     "METHODS",
@@ -28,10 +31,15 @@ __all__ = [
     "diffraction_pattern",
     "lookup",
     "normalised",
+    "read_pfm",
+    "read_table",
     "rgb",
     "scatter_table",
+    "sidecar_of",
     "table_from_function",
     "table_from_function_stages",
     "table_from_pattern",
     "table_from_pattern_stages",
+    "write_pfm",
+    "write_table",
 ]

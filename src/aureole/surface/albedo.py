@@ -107,7 +107,9 @@ def _disc(
         half = np.sqrt(np.maximum(radius**2 - (h_b - centre_b) ** 2, 0.0))
         chords = _at(running, edges, rows, centre_t + half) - _at(running, edges, rows, centre_t - half)
         total[k] = along_b @ chords
-    return np.asarray(4.0 * np.pi**2 * total / np.asarray(table.white), dtype=np.float64)
+    # A single line may have no X, Y or Z at all; then nothing of it is sent back.
+    white = np.asarray(table.white)
+    return np.divide(4.0 * np.pi**2 * total, white, out=np.zeros_like(total), where=white > 0)
 
 
 def _at(
