@@ -16,6 +16,7 @@ from aureole.surface.table import ScatterTable, areas, axes, cells
 
 # Incidences of the bound: points of a square grid over the disc of direction cosines.
 _ACROSS = 48
+_TOGETHER = 16  # discs that are integrated at once
 
 
 def albedo(table: ScatterTable, incidence: ArrayLike = (0.0, 0.0)) -> NDArray[np.float64]:
@@ -102,20 +103,25 @@ def _disc(
     # The integral along each row up to an edge; a chord is a difference of two.
     running = np.zeros((h_b.size, edges.size, 3))
     np.cumsum(values * along_t[None, :, None], axis=1, out=running[:, 1:])
-    rows, total = np.arange(h_b.size), np.empty((len(centres), 3))
-    for k, (centre_t, centre_b) in enumerate(centres):
+    total = np.empty((len(centres), 3))
+    for start in range(0, len(centres), _TOGETHER):
+        centre_t, centre_b = centres[start : start + _TOGETHER].T[:, :, None]
         half = np.sqrt(np.maximum(radius**2 - (h_b - centre_b) ** 2, 0.0))
-        chords = _at(running, edges, rows, centre_t + half) - _at(running, edges, rows, centre_t - half)
-        total[k] = along_b @ chords
+        chords = _at(running, edges, centre_t + half) - _at(running, edges, centre_t - half)
+        total[start : start + _TOGETHER] = along_b @ chords
     # A single line may have no X, Y or Z at all; then nothing of it is sent back.
     white = np.asarray(table.white)
-    return np.divide(4.0 * np.pi**2 * total, white, out=np.zeros_like(total), where=white > 0)
+    share: NDArray[np.float64] = np.divide(
+        4.0 * np.pi**2 * total, white, out=np.zeros_like(total), where=white > 0
+    )
+    return share
 
 
 def _at(
-    running: NDArray[np.float64], edges: NDArray[np.float64], rows: NDArray[np.int64], t: NDArray[np.float64]
+    running: NDArray[np.float64], edges: NDArray[np.float64], t: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Read the running integral of each row at one place t: (R, 3)."""
+    """Read the running integral of each row (R, E, 3) at one place a row and centre, t (N, R): (N, R, 3)."""
+    rows = np.arange(t.shape[1])
     index = np.clip(np.searchsorted(edges, t, side="right") - 1, 0, edges.size - 2)
-    share = np.clip((t - edges[index]) / (edges[index + 1] - edges[index]), 0.0, 1.0)[:, None]
+    share = np.clip((t - edges[index]) / (edges[index + 1] - edges[index]), 0.0, 1.0)[..., None]
     return np.asarray((1.0 - share) * running[rows, index] + share * running[rows, index + 1])

@@ -109,8 +109,24 @@ def table_from_function_stages(
 
     Parameters
     ----------
-    function, spectrum, size, half_range, warp, sample, wavelengths, zero_order, metadata
-        As for `table_from_function`.
+    function : callable
+        As for `table_from_function`, and so are the others.
+    spectrum : Spectrum or str
+        The light.
+    size : int or tuple of int
+        Samples of the table.
+    half_range : float
+        h of the outermost samples.
+    warp : int
+        n of h = half_range · uⁿ.
+    sample : str
+        Means over cells, or points.
+    wavelengths : int
+        Number of wavelengths.
+    zero_order : str
+        What the formula does about h = 0.
+    metadata : Mapping or None
+        What the table shall say.
 
     Yields
     ------

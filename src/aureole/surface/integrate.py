@@ -108,8 +108,26 @@ def table_from_pattern_stages(
 
     Parameters
     ----------
-    patterns, spectrum, size, half_range, warp, model, method, wavelengths, zero_order, metadata
-        As for `table_from_pattern`.
+    patterns : DiffractionPattern or sequence of them
+        As for `table_from_pattern`, and so are the others.
+    spectrum : Spectrum or str
+        The light.
+    size : int or tuple of int
+        Samples of the table.
+    half_range : float
+        h of the outermost samples.
+    warp : int
+        n of h = half_range · uⁿ.
+    model : str
+        Power of λ_m / λ.
+    method : str
+        How it is computed.
+    wavelengths : int
+        Number of wavelengths.
+    zero_order : str
+        What became of the light about h = 0.
+    metadata : Mapping or None
+        What else the table shall say.
 
     Yields
     ------
