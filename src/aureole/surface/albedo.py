@@ -15,7 +15,8 @@ from aureole import refuse
 from aureole.surface.table import ScatterTable, areas, axes, cells
 
 # Incidences of the bound: points of a square grid over the disc of direction cosines.
-_ACROSS = 48
+_ACROSS = 64
+_STRIP = 1.0 / 64.0  # rows and columns that lie together in less are one to the bound
 _TOGETHER = 16  # discs that are integrated at once
 
 
@@ -46,7 +47,8 @@ def albedo(table: ScatterTable, incidence: ArrayLike = (0.0, 0.0)) -> NDArray[np
     longest = float(np.hypot(given[..., 0], given[..., 1]).max())
     if longest > 1.0 + 1e-12:
         raise refuse.Refusal(f"'incidence' must be at most 1 long (grazing light), got {longest:g}.")
-    return _disc(table, table.values, given.reshape(-1, 2), 1.0).reshape(*given.shape[:-1], 3)
+    masses, (h_b, _), edges = _masses(table, table.values), axes(table), _edges(table)
+    return _discs(masses, h_b, edges, given.reshape(-1, 2), 1.0).reshape(*given.shape[:-1], 3)
 
 
 def albedo_bound(table: ScatterTable) -> float:
@@ -61,14 +63,23 @@ def albedo_bound(table: ScatterTable) -> float:
     -------
     float
         The largest share of X, Y or Z over a grid of incidences, each with a disc that is wider by the
-        grid's half diagonal: so it holds between the grid's points, too. Negative values count as zero.
+        grid's half diagonal: so it holds between the grid's points, too. What the whole table sends back,
+        where that is less. Negative values count as zero.
     """
-    step = 2.0 / (_ACROSS - 1)
+    masses, (h_b, h_t), edges = _masses(table, np.maximum(table.values, 0.0)), axes(table), _edges(table)
+    total = float(masses.sum(axis=(0, 1)).max())
+    if total <= 1.0:
+        return total
+    rows, columns = _strips(h_b), _strips(h_t)
+    masses = np.add.reduceat(np.add.reduceat(masses, rows, axis=0), columns, axis=1)
+    middles = 0.5 * (h_b[rows] + h_b[np.append(rows[1:], h_b.size) - 1])
     line = np.linspace(-1.0, 1.0, _ACROSS)
     grid = np.stack(np.meshgrid(line, line), axis=-1).reshape(-1, 2)
-    wider = step / np.sqrt(2.0)
-    near = grid[np.hypot(grid[:, 0], grid[:, 1]) <= 1.0 + wider]
-    return float(_disc(table, np.maximum(table.values, 0.0), near, 1.0 + wider).max())
+    # Strips move what is in them by their breadth at most, in each direction.
+    radius = 1.0 + np.sqrt(2.0) * (1.0 / (_ACROSS - 1) + _STRIP)
+    near = grid[np.hypot(grid[:, 0], grid[:, 1]) <= radius]
+    found = _discs(masses, middles, np.append(edges[columns], edges[-1]), near, radius)
+    return min(total, float(found.max()))
 
 
 def normalised(table: ScatterTable) -> ScatterTable:
@@ -93,28 +104,47 @@ def normalised(table: ScatterTable) -> ScatterTable:
     return replace(table, values=values, metadata={**table.metadata, "normalised_by": factor})
 
 
-def _disc(
-    table: ScatterTable, values: NDArray[np.float32], centres: NDArray[np.float64], radius: float
-) -> NDArray[np.float64]:
-    """Integrate 4π² values over discs about centres (N, 2), relative to the light's white: (N, 3)."""
-    (h_b, _), (along_b, along_t) = axes(table), areas(table)
+def _masses(table: ScatterTable, values: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Return the share of the light's X, Y and Z that each cell sends back: (R, C, 3)."""
+    along_b, along_t = areas(table)
+    white = np.asarray(table.white)
+    # A single line may have no X, Y or Z at all; then nothing of it is sent back.
+    scale = np.divide(4.0 * np.pi**2, white, out=np.zeros(3), where=white > 0)
+    masses: NDArray[np.float64] = values * scale
+    masses *= along_b[:, None, None]
+    masses *= along_t[None, :, None]
+    return masses
+
+
+def _edges(table: ScatterTable) -> NDArray[np.float64]:
+    """Return the ends of the cells along t: (C + 1,)."""
     low, high = cells(table.values.shape[1], table.half_range, table.warp)
-    edges = np.append(low, high[-1])
-    # The integral along each row up to an edge; a chord is a difference of two.
+    return np.append(low, high[-1])
+
+
+def _strips(places: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Return where a new strip begins along rising or falling places."""
+    return np.flatnonzero(np.diff(np.floor(places / _STRIP), prepend=np.inf))
+
+
+def _discs(
+    masses: NDArray[np.float64],
+    h_b: NDArray[np.float64],
+    edges: NDArray[np.float64],
+    centres: NDArray[np.float64],
+    radius: float,
+) -> NDArray[np.float64]:
+    """Add the masses (R, C, 3) of rows at h_b and between edges in discs about centres (N, 2): (N, 3)."""
+    # The sum along each row up to an edge; a chord is a difference of two.
     running = np.zeros((h_b.size, edges.size, 3))
-    np.cumsum(values * along_t[None, :, None], axis=1, out=running[:, 1:])
+    np.cumsum(masses, axis=1, out=running[:, 1:])
     total = np.empty((len(centres), 3))
     for start in range(0, len(centres), _TOGETHER):
         centre_t, centre_b = centres[start : start + _TOGETHER].T[:, :, None]
         half = np.sqrt(np.maximum(radius**2 - (h_b - centre_b) ** 2, 0.0))
         chords = _at(running, edges, centre_t + half) - _at(running, edges, centre_t - half)
-        total[start : start + _TOGETHER] = along_b @ chords
-    # A single line may have no X, Y or Z at all; then nothing of it is sent back.
-    white = np.asarray(table.white)
-    share: NDArray[np.float64] = np.divide(
-        4.0 * np.pi**2 * total, white, out=np.zeros_like(total), where=white > 0
-    )
-    return share
+        total[start : start + _TOGETHER] = chords.sum(axis=1)
+    return total
 
 
 def _at(
