@@ -41,6 +41,17 @@ def test_rgb_files_come_back_as_xyz(tmp_path, suffix, space):
     assert np.abs(surface.read_table(path).values - table.values).max() <= 1e-6 * table.values.max()
 
 
+@pytest.mark.parametrize("wavelength", [450e-9, 532e-9, 650e-9])
+def test_a_laser_keeps_its_colour_in_rgb(tmp_path, wavelength):
+    laser = light.line(wavelength)
+    table = surface.table_from_function(lambda t, b, w: np.exp(-(t**2) - b**2), laser, 5, sample="point")
+    wanted = light.from_xyz(light.white(laser), "rec709", light.SPACES["rec709"].white)
+    assert surface.rgb(table)[2, 2] == pytest.approx(wanted, rel=1e-5)
+    surface.write_table(tmp_path / "t.exr", table, "rec709")
+    found = surface.read_table(tmp_path / "t.exr").values
+    assert np.abs(found - table.values).max() <= 1e-5 * table.values.max()
+
+
 def test_an_exr_says_its_primaries(tmp_path):
     surface.write_table(tmp_path / "t.exr", sample_table())
     assert picture.describe(tmp_path / "t.exr").colour_space == "xyz"

@@ -304,14 +304,46 @@ def rgb(table: ScatterTable, space: str = "rec709") -> NDArray[np.float32]:
     Returns
     -------
     ndarray of float32, shape (rows, columns, 3)
-        R, G, B; a mirror would be neutral. Spectral colours lie out of gamut and have negative parts.
+        R, G, B; a mirror would be neutral, but a laser keeps its colour.
+        Spectral colours lie out of gamut and have negative parts.
 
     Raises
     ------
     refuse.Refusal
         Where the space is unknown.
     """
-    return np.asarray(light.from_xyz(table.values, space, table.white), dtype=np.float32)
+    return np.asarray(
+        light.from_xyz(table.values, space, neutral_white(table.white, space)), dtype=np.float32
+    )
+
+
+def neutral_white(white: ArrayLike, space: str) -> NDArray[np.float64]:
+    """Return the white that comes out neutral when a table is shown in a linear RGB space.
+
+    Parameters
+    ----------
+    white : array_like, shape (3,)
+        X, Y, Z of the table's light.
+    space : str
+        A name in `light.SPACES`.
+
+    Returns
+    -------
+    ndarray of float64, shape (3,)
+        The light's own; the space's where the light is a line or so saturated that no eye adapts to it,
+        which then keeps its colour.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the space is unknown.
+    """
+    refuse.one_of("space", space, light.SPACES)
+    try:
+        light.matrix("xyz", space, white)
+    except refuse.Refusal:
+        return np.asarray(light.SPACES[space].white, dtype=np.float64)
+    return np.asarray(white, dtype=np.float64)
 
 
 def energy(table: ScatterTable) -> NDArray[np.float64]:

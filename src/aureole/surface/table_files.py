@@ -15,7 +15,7 @@ from aureole import light, picture, refuse
 from aureole.presets.models import first_refusal
 from aureole.records import Picture
 from aureole.surface.pfm import read_pfm, write_pfm
-from aureole.surface.table import TANGENT_CONVENTION, ScatterTable, rgb, scatter_table
+from aureole.surface.table import TANGENT_CONVENTION, ScatterTable, neutral_white, rgb, scatter_table
 
 SUFFIXES = (".exr", ".pfm", ".npz")
 FORMAT = "aureole scatter table 1"
@@ -152,7 +152,8 @@ def read_table(path: str | os.PathLike[str]) -> ScatterTable:
             f"'{place}' does not fit its sidecar: {values.shape} instead of ({said.rows}, {said.columns}, 3)."
         )
     if said.colour_space != "xyz":
-        values = np.asarray(light.to_xyz(values, said.colour_space, said.white), dtype=np.float32)
+        white = neutral_white(said.white, said.colour_space)
+        values = np.asarray(light.to_xyz(values, said.colour_space, white), dtype=np.float32)
     return scatter_table(
         values,
         said.white,
