@@ -1,15 +1,17 @@
 """Named cameras, irises, eyes, lenses and catalogues of glass, as data: TOML files, each with its source.
 
-In: a kind ("cameras", "irises", "eyes", "lenses", "glasses") and a name. Out: a validated record of
+In: a kind ("cameras", "irises", "eyes", "gratings", "lenses", "glasses") and a name. Out: a validated record of
 numbers with units in their names. The files lie beside this page, one a preset; a file of the user's own
 is read the same way.
 
 models       what a file of a camera or an iris may hold; how a preset is found and checked
 eye_model    what a file of an eye may hold
+grating_model  what a file of a grating may hold
 lens_model   what a file of a lens or a catalogue of glasses may hold
 """
 
 from aureole.presets.eye_model import EyePreset
+from aureole.presets.grating_model import GratingPreset
 from aureole.presets.lens_model import (
     SHARPEST_MM,
     GlassCatalogue,
@@ -28,6 +30,7 @@ __all__ = [
     "EyePreset",
     "GlassCatalogue",
     "GlassLine",
+    "GratingPreset",
     "IrisPreset",
     "LayerPreset",
     "LensPreset",

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from aureole import refuse
 from aureole.presets.eye_model import EyePreset
+from aureole.presets.grating_model import GratingPreset
 from aureole.presets.lens_model import GlassCatalogue, LensPreset
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -85,6 +86,7 @@ KINDS: dict[str, type[BaseModel]] = {
     "cameras": CameraPreset,
     "eyes": EyePreset,
     "glasses": GlassCatalogue,
+    "gratings": GratingPreset,
     "irises": IrisPreset,
     "lenses": LensPreset,
 }
