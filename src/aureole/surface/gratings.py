@@ -172,19 +172,40 @@ class Grating:
         ndarray of float64
             Per unit of h.
         """
-        return np.asarray(ive(0, (radius / (2.0 * self.spread)) ** 2) / (math.sqrt(2.0 * math.pi) * self.spread))
+        return np.asarray(
+            ive(0, (radius / (2.0 * self.spread)) ** 2) / (math.sqrt(2.0 * math.pi) * self.spread)
+        )
 
     def _ring_mean(self, t: Array, b: Array, wavelength: float, cosines: float, zero_order: bool) -> Array:
         """Average over the range of distances that a cell spans."""
-        middle_t, middle_b = np.abs(t.mean(axis=0))[None, :], np.abs(b.mean(axis=0))[:, None]
-        wide, high = (t[1] - t[0])[None, :], (b[1] - b[0])[:, None]
-        radius = np.hypot(middle_t, middle_b)
-        reach = middle_t * wide + middle_b * high
-        half = 0.5 * np.where(radius > 0, reach / np.where(radius > 0, radius, 1.0), np.maximum(wide, high))
-        ends = np.maximum(radius - half, 0.0), radius + half
-        both = self.along.mean(*ends, wavelength, cosines, zero_order)
-        both = 0.5 * (both + self.along.mean(-ends[1], -ends[0], wavelength, cosines, zero_order))
+        radius, low, high = ring_cells(t, b)
+        both = self.along.mean(low, high, wavelength, cosines, zero_order)
+        both = 0.5 * (both + self.along.mean(-high, -low, wavelength, cosines, zero_order))
         return both * self.ring(radius) / (4.0 * np.pi**2)
+
+
+def ring_cells(t_cells: Array, b_cells: Array) -> tuple[Array, Array, Array]:
+    """Return how far cells lie from h = 0, and the range of distances that each spans.
+
+    Parameters
+    ----------
+    t_cells : ndarray of float64, shape (2, C)
+        Lower and upper ends of the columns.
+    b_cells : ndarray of float64, shape (2, R)
+        Lower and upper ends of the rows.
+
+    Returns
+    -------
+    radius, low, high : ndarray of float64, shape (R, C)
+        Of the cell's middle; nearest and farthest along the line from h = 0, low < high.
+    """
+    middle_t, middle_b = np.abs(t_cells.mean(axis=0))[None, :], np.abs(b_cells.mean(axis=0))[:, None]
+    wide, tall = (t_cells[1] - t_cells[0])[None, :], (b_cells[1] - b_cells[0])[:, None]
+    radius = np.hypot(middle_t, middle_b)
+    off = radius > 0
+    reach = (middle_t * wide + middle_b * tall) / np.where(off, radius, 1.0)
+    half = 0.5 * np.where(off, reach, np.maximum(wide, tall))
+    return radius, np.maximum(radius - half, 0.0), radius + half
 
 
 def multislit_grating(
@@ -369,9 +390,7 @@ def display_grating(
     pixel = INCH / refuse.positive("pixels_per_inch", pixels_per_inch)
     opening = refuse.between("opening", opening, 0.01, 1.0)
     column = pixel / SUB_PIXELS
-    return crossed_grating(
-        Lines(column, opening * column, count), Lines(pixel, opening * pixel, count), name
-    )
+    return crossed_grating(Lines(column, opening * column, count), Lines(pixel, opening * pixel, count), name)
 
 
 def grating(name: str) -> Grating:

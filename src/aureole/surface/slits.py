@@ -74,7 +74,12 @@ class Lines:
         return self._by_order(orders, self._waves(wavelength, cosines)) * (self.period / wavelength)
 
     def mean(
-        self, low: ArrayLike, high: ArrayLike, wavelength: float, cosines: float = 2.0, zero_order: bool = True
+        self,
+        low: ArrayLike,
+        high: ArrayLike,
+        wavelength: float,
+        cosines: float = 2.0,
+        zero_order: bool = True,
     ) -> Array:
         """Return the mean density over intervals of h, so that sharp orders lose nothing between samples.
 
