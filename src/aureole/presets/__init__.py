@@ -1,13 +1,13 @@
 """Named cameras, irises, eyes, lenses and catalogues of glass, as data: TOML files, each with its source.
 
-In: a kind ("cameras", "irises", "eyes", "gratings", "lenses", "glasses") and a name. Out: a validated record of
-numbers with units in their names. The files lie beside this page, one a preset; a file of the user's own
+In: a kind ("cameras", "irises", "eyes", "gratings", "lenses", "glasses") and a name. Out: a validated record
+of numbers with units in their names. The files lie beside this page, one a preset; a file of the user's own
 is read the same way.
 
-models       what a file of a camera or an iris may hold; how a preset is found and checked
-eye_model    what a file of an eye may hold
+models         what a file of a camera or an iris may hold; how a preset is found and checked
+eye_model      what a file of an eye may hold
 grating_model  what a file of a grating may hold
-lens_model   what a file of a lens or a catalogue of glasses may hold
+lens_model     what a file of a lens or a catalogue of glasses may hold
 """
 
 from aureole.presets.eye_model import EyePreset

@@ -6,7 +6,8 @@ together that the order of one touches that of the next.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,7 +128,7 @@ def table_from_grating_stages(
         values = _rings(lines, quadrature, t, b, cosines, zero_order == "keep")
     else:
         values = yield from _products(lines, quadrature, t, b, cosines, zero_order == "keep")
-    metadata = {"grating": lines.name, "wavelengths": int(quadrature[0].size)}
+    metadata: dict[str, Any] = {"grating": lines.name, "wavelengths": int(quadrature[0].size)}
     if zero_order == "specular":
         metadata["zero_order_energy"] = _zero_order(lines, quadrature, cosines)
     white = light.white(lamp)
@@ -172,7 +173,7 @@ def needed_wavelengths(
 
 def _products(
     lines: Grating, quadrature: Light, t: Array, b: Array, cosines: float, zero_order: bool
-) -> Iterator[Stage]:
+) -> Generator[Stage, None, NDArray[np.float32]]:
     """Add the outer products of all wavelengths: one product of matrices a channel."""
     rows, columns, weights = [], [], []
     for index, (wavelength, weight) in enumerate(zip(*quadrature, strict=True)):

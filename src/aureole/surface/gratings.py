@@ -145,7 +145,7 @@ class Grating:
             (rows (R,), columns (C,)) of each product, in 1/sr. Not for rings.
         """
         scale = 1.0 / (4.0 * np.pi**2)
-        along = scale * self.along.mean(*t_cells, wavelength, cosines)
+        along: Array = scale * self.along.mean(*t_cells, wavelength, cosines)
         lit = along if zero_order else scale * self.along.mean(*t_cells, wavelength, cosines, False)
         if self.across is None:
             return [(_normal_mean(b_cells, self.spread), lit)]
@@ -153,7 +153,7 @@ class Grating:
         if zero_order:
             return [(across, along)]
         # The order (0, 0) is what both directions' zero orders have in common.
-        inner = across - self.across.mean(*b_cells, wavelength, cosines, False)
+        inner: Array = across - self.across.mean(*b_cells, wavelength, cosines, False)
         return [(across, along), (-inner, along - lit)]
 
     def ring(self, radius: Array) -> Array:
@@ -323,7 +323,8 @@ def littrow_angle(period: float, wavelength: float, order: int = 1) -> float:
     sine = order * refuse.positive("wavelength", wavelength) / (2.0 * refuse.positive("period", period))
     if not abs(sine) < 1.0:
         raise refuse.Refusal(
-            f"'wavelength' must be below {2 * period / max(abs(order), 1):g} m for order {order}, got {wavelength:g}."
+            f"'wavelength' must be below {2 * period / max(abs(order), 1):g} m for order {order}, "
+            f"got {wavelength:g}."
         )
     return math.asin(sine)
 
