@@ -120,7 +120,9 @@ def table_from_grating_stages(
     refuse.between("cosines", cosines, 0.0, 2.0)
     lamp = as_spectrum(spectrum)
     if wavelengths is None:
-        wavelengths = needed_wavelengths(lines, (rows, columns), half_range, warp)
+        across = lines.along if lines.radial else lines.across
+        lengths = (across.count * across.period if across else 0.0, lines.along.count * lines.along.period)
+        wavelengths = needed_wavelengths(lengths, (rows, columns), half_range, warp)
     quadrature = light.quadrature(lamp, wavelengths)
     t, b = cells(columns, half_range, warp), cells(rows, half_range, warp)[:, ::-1]
     yield Stage(0.0, "adding wavelengths")
@@ -137,17 +139,18 @@ def table_from_grating_stages(
 
 
 def needed_wavelengths(
-    source: Grating, size: tuple[int, int], half_range: float = HALF_RANGE, warp: int = WARP
+    lengths: tuple[float, float], size: tuple[int, int], half_range: float = HALF_RANGE, warp: int = WARP
 ) -> int:
-    """Return how many wavelengths keep a grating's orders from falling apart into dots.
+    """Return how many wavelengths keep orders from falling apart into dots.
 
     From one wavelength to the next an order at h moves by h Δλ / λ, which shall be no more than half of an
-    order's own width λ / (N d) or half of a cell of the table, whichever is wider there.
+    order's own width, λ over the length that is lit in phase, or half of a cell of the table, whichever is
+    wider there.
 
     Parameters
     ----------
-    source : Grating
-        Any.
+    lengths : tuple of float
+        Lit in phase along b (rows) and along t (columns), metres; 0 where nothing repeats.
     size : tuple of int
         The table's (rows, columns).
     half_range : float
@@ -161,11 +164,11 @@ def needed_wavelengths(
         From `WAVELENGTHS` to `MOST_WAVELENGTHS`.
     """
     need = WAVELENGTHS
-    for lines, count in ((source.along, size[1]), (source.across, size[0])):
-        if lines is not None:
+    for length, count in zip(lengths, size, strict=True):
+        if length > 0:
             h = axis(count, half_range, warp)
             low, high = cells(count, half_range, warp)
-            width = np.maximum(high - low, SHORTEST / (lines.count * lines.period))
+            width = np.maximum(high - low, SHORTEST / length)
             step = SHORTEST * 0.5 * float(np.min(width[h > 0] / h[h > 0]))
             need = max(need, math.ceil((LONGEST - SHORTEST) / step) + 1)
     return min(need, MOST_WAVELENGTHS)

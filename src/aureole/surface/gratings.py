@@ -145,15 +145,19 @@ class Grating:
             (rows (R,), columns (C,)) of each product, in 1/sr. Not for rings.
         """
         scale = 1.0 / (4.0 * np.pi**2)
-        along: Array = scale * self.along.mean(*t_cells, wavelength, cosines)
-        lit = along if zero_order else scale * self.along.mean(*t_cells, wavelength, cosines, False)
+        along: Array = scale * self.along.mean(t_cells[0], t_cells[1], wavelength, cosines)
+        lit = (
+            along
+            if zero_order
+            else scale * self.along.mean(t_cells[0], t_cells[1], wavelength, cosines, False)
+        )
         if self.across is None:
-            return [(_normal_mean(b_cells, self.spread), lit)]
-        across = self.across.mean(*b_cells, wavelength, cosines)
+            return [(normal_mean(b_cells, self.spread), lit)]
+        across = self.across.mean(b_cells[0], b_cells[1], wavelength, cosines)
         if zero_order:
             return [(across, along)]
         # The order (0, 0) is what both directions' zero orders have in common.
-        inner: Array = across - self.across.mean(*b_cells, wavelength, cosines, False)
+        inner: Array = across - self.across.mean(b_cells[0], b_cells[1], wavelength, cosines, False)
         return [(across, along), (-inner, along - lit)]
 
     def ring(self, radius: Array) -> Array:
@@ -484,9 +488,24 @@ def checked(grating: Grating) -> Grating:
     return grating
 
 
-def _normal_mean(cells: Array, deviation: float) -> Array:
-    """Return the mean of a normal density over cells (2, N)."""
-    low, high = cells / (math.sqrt(2.0) * deviation)
+def normal_mean(cells: Array, deviation: float, centre: Array | float = 0.0) -> Array:
+    """Return the mean of a normal density over cells.
+
+    Parameters
+    ----------
+    cells : ndarray of float64, shape (2, N)
+        Lower and upper ends.
+    deviation : float
+        Standard deviation.
+    centre : float or ndarray of float64, shape (M, 1)
+        Where the density has its middle.
+
+    Returns
+    -------
+    ndarray of float64, shape (N,) or (M, N)
+        The means, also of cells far narrower than the deviation.
+    """
+    low, high = ((end - centre) / (math.sqrt(2.0) * deviation) for end in cells)
     at_middle = np.exp(-((0.5 * (low + high)) ** 2)) / (math.sqrt(2.0 * math.pi) * deviation)
     small = high - low < 1e-4
     span = np.where(small, 1.0, (high - low) * math.sqrt(2.0) * deviation)
