@@ -56,7 +56,7 @@ def test_orders_stand_at_whole_h_at_every_incidence(degrees):
 def test_the_multislit_is_one_at_the_poles_and_as_printed_between():
     """Eq. 16, written out."""
     width, spacing, count = 0.5e-6, 2.0e-6, 21
-    sine = np.linspace(-0.97, 0.97, 301)
+    sine = np.linspace(-0.97, 0.97, 300)
     x, y = np.pi * width * sine / GREEN, np.pi * spacing * sine / GREEN
     printed = (np.sin(x) / x) ** 2 * (np.sin(count * y) / (count * np.sin(y))) ** 2
     found = surface.multislit(sine, width, spacing, count, GREEN)

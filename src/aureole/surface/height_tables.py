@@ -235,7 +235,7 @@ def table_from_height_stages(
     refuse.one_of("zero_order", zero_order, ZERO_ORDERS)
     lamp, quadrature, t, b = _axes(spectrum, size, half_range, warp, wavelengths, coherence)
     refuse.between("cosines", cosines, 0.0, 2.0)
-    values = np.zeros((b.shape[1], t.shape[1], 3))
+    planes = np.zeros((3, b.shape[1], t.shape[1]))
     specular = np.zeros(3)
     for index, (wavelength, weight) in enumerate(zip(*quadrature, strict=True)):
         yield Stage(index / quadrature[0].size, "adding wavelengths")
@@ -245,12 +245,12 @@ def table_from_height_stages(
             powers[0, 0] = 0.0
         pattern = spread_orders(powers, field.pixel, float(wavelength), t, b, coherence)
         for channel in range(3):
-            values[..., channel] += weight[channel] * pattern
+            planes[channel] += weight[channel] * pattern
     metadata: dict[str, Any] = {"heights": field.name, "method": method, "wavelengths": quadrature[0].size}
     if zero_order == "specular":
         metadata["zero_order_energy"] = tuple(float(part) for part in specular)
     metadata |= _series_facts(field, float(quadrature[0].min()), method, order, cosines)
-    white = light.white(lamp)
+    values, white = np.moveaxis(planes, 0, -1), light.white(lamp)
     table = scatter_table(values, white, half_range, warp, lamp.name, "function", zero_order, metadata)
     yield Stage(1.0, "table", table)
 
