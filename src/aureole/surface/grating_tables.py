@@ -104,7 +104,7 @@ def table_from_grating_stages(
 
     Parameters
     ----------
-    source, spectrum, size, half_range, warp, wavelengths, zero_order, cosines
+    source, spectrum, size, half_range, warp, wavelengths, zero_order, cosines : see there
         As for `table_from_grating`.
 
     Yields

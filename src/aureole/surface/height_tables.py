@@ -107,7 +107,7 @@ def height_pattern(
         Rows and columns; each value is the mean over its cell.
     half_range : float
         h of the outermost samples.
-    method, order, cosines, coherence
+    method, order, cosines, coherence : see there
         As for `table_from_height`.
 
     Returns
@@ -220,7 +220,7 @@ def table_from_height_stages(
 
     Parameters
     ----------
-    heights, pixel, spectrum, size, half_range, warp, wavelengths, method, order, zero_order, cosines
+    heights, pixel, spectrum, size, half_range, warp, wavelengths, method, order, zero_order, cosines : see there
         As for `table_from_height`.
     coherence : float
         As for `table_from_height`.
@@ -272,7 +272,7 @@ def taylor_tables(
 
     Parameters
     ----------
-    heights, pixel, spectrum, size, half_range, warp, wavelengths, coherence
+    heights, pixel, spectrum, size, half_range, warp, wavelengths, coherence : see there
         As for `table_from_height`.
     order : int
         N, the last power of the series.
