@@ -220,7 +220,9 @@ def table_from_height_stages(
 
     Parameters
     ----------
-    heights, pixel, spectrum, size, half_range, warp, wavelengths, method, order, zero_order, cosines : see there
+    heights, pixel, spectrum, size, half_range, warp, wavelengths : see there
+        As for `table_from_height`.
+    method, order, zero_order, cosines : see there
         As for `table_from_height`.
     coherence : float
         As for `table_from_height`.
