@@ -1,0 +1,194 @@
+"""What a filter's width and the lens's blur do to a photograph of a pattern, and undoing it.
+
+A band of wavelengths smears every order along its ray from the zero order. With the shares w_k of the
+wavelengths λ_k and the exponent p of the model, the photograph is
+
+    L(h) = B Σ_k w_k s_k^p M(s_k h),    s_k = λ_m / λ_k,
+
+where M is the pattern at λ_m and B the blur. `sharpen` inverts it by Richardson and Lucy's iteration
+(1972, 1974), which keeps the pattern positive; its adjoint scales back by 1 / s_k and divides by s_k².
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import refuse
+from aureole.light.lookups import stretched_at
+from aureole.records import Pattern, Spectrum
+from aureole.surface.pattern import DiffractionPattern, on_grid
+
+Plane = NDArray[np.float32]
+Operator = Callable[[Plane], Plane]
+
+_CUBIC = 4  # taps: linear look-ups would blur what the iteration then sharpens twice
+MOST_WAVELENGTHS = 64
+
+
+def mean_wavelength(band: Spectrum) -> float:
+    """Return the mean wavelength of a band, which its pattern belongs to best.
+
+    Parameters
+    ----------
+    band : Spectrum
+        Lamp × filter × sensor.
+
+    Returns
+    -------
+    float
+        Metres.
+    """
+    wavelengths, shares = shares_of(band, MOST_WAVELENGTHS)
+    return float(wavelengths @ shares)
+
+
+def shares_of(band: Spectrum, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Cut a band into wavelengths and their shares of the light.
+
+    Parameters
+    ----------
+    band : Spectrum
+        Of kind "lines", which gives its own, or "power".
+    count : int
+        Number of equal cells over the lit part of a density.
+
+    Returns
+    -------
+    wavelengths : ndarray of float64, shape (K,)
+        Metres.
+    shares : ndarray of float64, shape (K,)
+        They sum to 1.
+    """
+    if band.kind == "lines":
+        return band.wavelengths, band.values / band.values.sum()
+    lit = np.flatnonzero(band.values)
+    low = band.wavelengths[max(lit[0] - 1, 0)]
+    high = band.wavelengths[min(lit[-1] + 1, band.values.size - 1)]
+    edges = np.linspace(low, high, count + 1)
+    # Eight points in each cell follow the corners of a sampled density.
+    fine = (edges[:-1, None] + np.diff(edges)[:, None] * (np.arange(8) + 0.5) / 8.0).ravel()
+    density = np.interp(fine, band.wavelengths, band.values).reshape(count, 8)
+    power = density.sum(axis=1)
+    seen = power > 0
+    middles = (density * fine.reshape(count, 8)).sum(axis=1)[seen] / power[seen]
+    return middles, power[seen] / power.sum()
+
+
+def smeared(
+    pattern: DiffractionPattern, band: Spectrum, power: float = 4.0, blur: float = 0.0
+) -> DiffractionPattern:
+    """Compute the photograph of a pattern through a filter and a lens.
+
+    Parameters
+    ----------
+    pattern : DiffractionPattern
+        At its own wavelength λ_m.
+    band : Spectrum
+        Lamp × filter × sensor.
+    power : float
+        p of the model: 4 phase, 2 amplitude.
+    blur : float
+        Standard deviation of the Gaussian blur, in h.
+
+    Returns
+    -------
+    DiffractionPattern
+        On the same grid.
+    """
+    forward, _ = _operators(pattern, band, power, blur)
+    return replace(pattern, values=forward(pattern.values))
+
+
+def sharpen(
+    pattern: DiffractionPattern,
+    band: Spectrum | None = None,
+    power: float = 4.0,
+    blur: float = 0.0,
+    iterations: int = 10,
+) -> DiffractionPattern:
+    """Undo a filter's width and the lens's blur in a measured pattern.
+
+    Parameters
+    ----------
+    pattern : DiffractionPattern
+        As measured, said to be at λ_m.
+    band : Spectrum or None
+        Lamp × filter × sensor; None is a single wavelength.
+    power : float
+        p of the model: 4 phase, 2 amplitude.
+    blur : float
+        Standard deviation of the Gaussian blur, in h; 0 is sharp.
+    iterations : int
+        More recover finer detail, and noise with it.
+
+    Returns
+    -------
+    DiffractionPattern
+        At λ_m on the same grid, none of it negative.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is not as described.
+    """
+    iterations = refuse.at_least("iterations", iterations, 1)
+    forward, adjoint = _operators(pattern, band, power, blur)
+    measured = np.maximum(pattern.values, 0.0)
+    top = float(measured.max())
+    if not top > 0:
+        return pattern
+    # What is far below the pattern's least light cannot change, so that a zero divides nothing.
+    floor = np.float32(1e-9 * top)
+    seen = np.maximum(adjoint(np.ones_like(measured)), np.float32(1e-3))
+    estimate = np.maximum(measured, floor)
+    for _ in range(iterations):
+        ratio = measured / np.maximum(forward(estimate), floor)
+        estimate = np.maximum(estimate * adjoint(ratio) / seen, floor)
+    return replace(pattern, values=estimate.astype(np.float32))
+
+
+def _operators(
+    pattern: DiffractionPattern, band: Spectrum | None, power: float, blur: float
+) -> tuple[Operator, Operator]:
+    """Return the photograph of a pattern as an operator on its values, and the operator's adjoint."""
+    grid = on_grid(pattern).grid
+    if blur < 0:
+        raise refuse.Refusal(f"'blur' must be >= 0, got {blur:g}.")
+    widths = tuple(refuse.finite("blur", blur) / step for step in grid.spacing)
+    wavelengths, shares = np.array([pattern.wavelength]), np.ones(1)
+    if band is not None:
+        wavelengths, shares = shares_of(band, _enough(pattern, band))
+    scales = pattern.wavelength / wavelengths
+    weights = shares * scales ** refuse.finite("power", power)
+
+    def forward(values: Plane) -> Plane:
+        return _blurred(_scaled(values, scales, weights), widths)
+
+    def adjoint(values: Plane) -> Plane:
+        return _scaled(_blurred(values, widths), 1.0 / scales, weights / scales**2)
+
+    def _scaled(values: Plane, by: NDArray[np.float64], share: NDArray[np.float64]) -> Plane:
+        if band is None:
+            return values
+        plane = Pattern(values, grid, pattern.wavelength, 0.0)
+        y, x = grid.axes()
+        return stretched_at(plane, by, np.repeat(share[:, None], 3, axis=1), y, x, _CUBIC)[..., 0]
+
+    return forward, adjoint
+
+
+def _enough(pattern: DiffractionPattern, band: Spectrum) -> int:
+    """Count the wavelengths that step by about two samples from one to the next at the rim."""
+    lit = band.wavelengths[band.values > 0]
+    smear = float(np.ptp(lit)) / pattern.wavelength * max(pattern.values.shape) / 2.0
+    return int(np.clip(np.ceil(smear / 2.0), 8, MOST_WAVELENGTHS))
+
+
+def _blurred(values: Plane, widths: tuple[float, ...]) -> Plane:
+    from scipy.ndimage import gaussian_filter
+
+    if not any(widths):
+        return values
+    return np.asarray(gaussian_filter(values, widths, mode="nearest"), dtype=np.float32)
