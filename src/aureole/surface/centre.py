@@ -14,6 +14,7 @@ from aureole import refuse
 
 METHODS = ("auto", "core", "symmetry")
 COMPRESSION = 0.25  # the power of the values that symmetry compares, so that weak orders count too
+SURROUNDINGS = 50.0  # a picture's side over the radius of what is around a lobe
 SYMMETRIC = 0.9  # correlation with the turned pattern from which symmetry is believed
 
 
@@ -103,8 +104,10 @@ def _core(
     top = float(seen.max())
     if not top > 0:
         raise refuse.Refusal("'photo' has no light where the zero order is looked for.")
-    peak = np.unravel_index(int(np.argmax(seen)), seen.shape)
     lobes, _ = ndimage.label(smooth > 0.5 * top)
+    # Where many orders are clipped alike, the zero order is the one in the brightest surroundings.
+    around = ndimage.gaussian_filter(smooth, max(1.0, min(values.shape) / SURROUNDINGS))
+    peak = np.unravel_index(int(np.argmax(np.where(seen > 0.5 * top, around, -np.inf))), seen.shape)
     lobe = lobes == lobes[peak]
     weights = np.where(lobe, smooth - 0.5 * top, 0.0)
     row, column = ndimage.center_of_mass(weights)

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aureole import refuse
+from aureole.records import Spectrum
+from aureole.surface.bandwidth import sharpen
 from aureole.surface.centre import Centre, find_centre
 from aureole.surface.geometry import Geometry, farthest_h, pixel_map
 from aureole.surface.hdr_merge import merge
@@ -33,6 +35,10 @@ def measure_pattern(
     centre: tuple[float, float] | str = "auto",
     irradiance: float = 1.0,
     reflectance: float = 1.0,
+    band: Spectrum | None = None,
+    blur: float = 0.0,
+    power: float = 4.0,
+    iterations: int = 10,
     half_range: float | None = None,
     size: int | None = None,
     name: str = "measured",
@@ -57,6 +63,14 @@ def measure_pattern(
         E on the sample at the zero order, in the photographs' radiance; 1 leaves the scale relative.
     reflectance : float
         Fresnel factor F_0 at normal incidence that was in the measurement, and is divided out.
+    band : Spectrum or None
+        Lamp × filter × sensor, whose width is undone by `sharpen`; None takes it as one wavelength.
+    blur : float
+        Standard deviation, in pixels, of the lens's Gaussian blur that is undone.
+    power : float
+        Exponent of the model, which undoing a band's width needs: 4 phase, 2 amplitude.
+    iterations : int
+        Of `sharpen`.
     half_range : float or None
         h · t and h · b of the outermost samples; None covers the whole photograph.
     size : int or None
@@ -80,8 +94,12 @@ def measure_pattern(
     merged = merge(bracket, times, black, saturation, read_noise, gain)
     place = locate(merged.values, centre)
     values, reach = resample(merged.values, geometry, (place.row, place.column), half_range, size)
-    pattern = np.maximum(values, 0.0) / (4.0 * math.pi**2 * scale)
-    return DiffractionPattern(pattern.astype(np.float32), reach, wavelength, name)
+    radiance = np.maximum(values, 0.0) / (4.0 * math.pi**2 * scale)
+    pattern = DiffractionPattern(radiance.astype(np.float32), reach, wavelength, name)
+    if band is None and not blur:
+        return pattern
+    step = farthest_h(geometry, (place.row, place.column), _shape(merged.values))[1]
+    return sharpen(pattern, band, power, blur * step, iterations)
 
 
 def locate(photo: NDArray[np.float64], centre: tuple[float, float] | str) -> Centre:
@@ -149,7 +167,7 @@ def resample(
     """
     from scipy.ndimage import map_coordinates
 
-    farthest, step = farthest_h(geometry, centre, photo.shape)  # type: ignore[arg-type]
+    farthest, step = farthest_h(geometry, centre, _shape(photo))
     if half_range is None:
         reach = min(farthest, 2.0)
         # A whole number of steps to either side keeps the centre a sample.
@@ -165,7 +183,7 @@ def resample(
             " give 'half_range' or 'size'."
         )
     axis = np.linspace(-reach, reach, count)
-    rows, columns, irradiance = pixel_map(geometry, centre, photo.shape, axis)  # type: ignore[arg-type]
+    rows, columns, irradiance = pixel_map(geometry, centre, _shape(photo), axis)
     values = map_coordinates(photo, [rows, columns], order=3, mode="mirror")
     inside = (rows >= -0.5) & (rows <= photo.shape[0] - 0.5) & (columns >= -0.5)
     inside &= (columns <= photo.shape[1] - 0.5) & (irradiance > 0)
@@ -181,3 +199,7 @@ def _bracket(
     if isinstance(photos, np.ndarray) and photos.ndim == 2:
         return [photos], list(exposures)
     return list(photos), list(exposures)  # type: ignore[arg-type]
+
+
+def _shape(photo: NDArray[np.float64]) -> tuple[int, int]:
+    return photo.shape[0], photo.shape[1]
