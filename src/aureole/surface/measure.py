@@ -7,6 +7,7 @@ along rows and columns are separable.
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,7 +18,10 @@ from aureole.surface.bandwidth import sharpen
 from aureole.surface.centre import Centre, find_centre
 from aureole.surface.geometry import Geometry, farthest_h, pixel_map
 from aureole.surface.hdr_merge import merge
+from aureole.surface.integrate import table_from_pattern
 from aureole.surface.pattern import DiffractionPattern
+from aureole.surface.table import MODELS, SIZE, WARP, ScatterTable
+from aureole.surface.zero_order import split_zero_order
 
 MOST_SAMPLES = 4097  # along an axis
 
@@ -100,6 +104,67 @@ def measure_pattern(
         return pattern
     step = farthest_h(geometry, (place.row, place.column), _shape(merged.values))[1]
     return sharpen(pattern, band, power, blur * step, iterations)
+
+
+def table_from_photo(
+    photos: ArrayLike | Sequence[ArrayLike],
+    exposures: Sequence[float] | float,
+    geometry: Geometry,
+    wavelength: float,
+    spectrum: Spectrum | str = "E",
+    *,
+    model: str = "phase",
+    zero_order: str = "keep",
+    zero_radius: float | None = None,
+    table_size: int = SIZE,
+    warp: int = WARP,
+    **measurement: Any,
+) -> ScatterTable:
+    """Measure a flat sample under one narrow band, and make its table under any light.
+
+    Parameters
+    ----------
+    photos, exposures, geometry, wavelength
+        As for `measure_pattern`.
+    spectrum : Spectrum or str
+        The light of the table.
+    model : {"phase", "amplitude", "paper"}
+        How the pattern's brightness goes with wavelength; a band's width is undone by the same model.
+    zero_order : {"keep", "remove", "specular"}
+        "remove" cuts it out of the pattern; "specular" does so and keeps its energy and width in the table's
+        metadata, to be drawn as a mirror's lobe that stays white.
+    zero_radius : float or None
+        Of the zero order in h; None finds it by `split_zero_order`.
+    table_size : int
+        Samples of the table along each axis.
+    warp : int
+        Of the table's axes.
+    **measurement
+        What else `measure_pattern` takes.
+
+    Returns
+    -------
+    ScatterTable
+        The table.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where an input is not as described.
+    """
+    refuse.one_of("model", model, MODELS)
+    refuse.one_of("zero_order", zero_order, ("keep", "remove", "specular"))
+    power = float(MODELS[model])
+    pattern = measure_pattern(photos, exposures, geometry, wavelength, power=power, **measurement)
+    notes: dict[str, Any] = {}
+    if zero_order != "keep":
+        pattern, cut = split_zero_order(pattern, zero_radius)
+        notes = {"zero_order_radius": cut.radius}
+        if zero_order == "specular":
+            notes |= {"zero_order_energy": cut.energy, "zero_order_width": cut.width}
+    return table_from_pattern(
+        pattern, spectrum, table_size, warp=warp, model=model, zero_order=zero_order, metadata=notes
+    )
 
 
 def locate(photo: NDArray[np.float64], centre: tuple[float, float] | str) -> Centre:

@@ -1,0 +1,161 @@
+"""The measurement's parts: geometry, merging, the centre, and what cannot be served."""
+
+import math
+
+import numpy as np
+import pytest
+
+from aureole import light, refuse, surface
+from aureole.surface import virtual
+from aureole.surface.geometry import pixel_map, pixels_at
+
+SHAPE = (200, 240)
+BENCH = surface.BenchGeometry(
+    0.6, 0.4, 5e-5, tilt=(math.radians(7), math.radians(-4)), rotation=0.2, axis=(90.0, 130.0)
+)
+CENTRE = (104.3, 111.8)
+
+
+def test_h_is_zero_where_the_mirror_shows_the_lamp():
+    h_t, h_b, irradiance = BENCH.h_of(np.array(CENTRE[0]), np.array(CENTRE[1]), CENTRE, SHAPE)
+    assert abs(h_t) < 1e-15
+    assert abs(h_b) < 1e-15
+    assert irradiance == pytest.approx(1.0, abs=1e-15)
+
+
+def test_near_the_centre_of_a_level_sample_h_is_the_place_over_the_distances():
+    # dh = −x (1 / r_camera + 1 / r_lamp) to first order, x to the right along t.
+    bench = surface.BenchGeometry(0.5, 0.25, 1e-6)
+    middle = ((SHAPE[0] - 1) / 2, (SHAPE[1] - 1) / 2)
+    h_t, h_b, _ = bench.h_of(np.array(middle[0] - 3.0), np.array(middle[1] + 2.0), middle, SHAPE)
+    assert h_t == pytest.approx(-2e-6 * (1 / 0.5 + 1 / 0.25), rel=1e-6)
+    assert h_b == pytest.approx(-3e-6 * (1 / 0.5 + 1 / 0.25), rel=1e-6)
+
+
+def test_pixels_and_h_are_inverse():
+    rows, columns = np.mgrid[0:200:40.0, 0:240:40.0]
+    h_t, h_b, _ = BENCH.h_of(rows, columns, CENTRE, SHAPE)
+    found = pixels_at(BENCH, CENTRE, SHAPE, h_t, h_b)
+    np.testing.assert_allclose(found[0], rows, atol=1e-6)
+    np.testing.assert_allclose(found[1], columns, atol=1e-6)
+
+
+def test_the_map_between_knots_is_exact_to_a_thousandth_of_a_pixel():
+    axis = np.linspace(-0.02, 0.02, 301)
+    rows, columns, _ = pixel_map(BENCH, CENTRE, SHAPE, axis)
+    h_t, h_b, _ = BENCH.h_of(rows, columns, CENTRE, SHAPE)
+    step = 5e-5 * (1 / 0.6 + 1 / 0.4)
+    assert np.abs(h_t - axis[None, :]).max() < 1e-3 * step
+    assert np.abs(h_b + axis[:, None]).max() < 1e-3 * step
+
+
+def test_a_lamp_far_away_lights_evenly_and_a_near_one_by_the_square_of_distance():
+    far = surface.BenchGeometry(0.5, math.inf, 1e-3)
+    near = surface.BenchGeometry(0.5, 0.25, 1e-3)
+    middle = ((SHAPE[0] - 1) / 2, (SHAPE[1] - 1) / 2)
+    place = (np.array(middle[0]), np.array(middle[1] + 50.0))
+    assert far.h_of(*place, middle, SHAPE)[2] == pytest.approx(1.0)
+    # cos θ / r² with x = 50 mm beside a lamp 250 mm above: (250 / r)³.
+    assert near.h_of(*place, middle, SHAPE)[2] == pytest.approx((0.25 / math.hypot(0.25, 0.05)) ** 3)
+
+
+@pytest.mark.parametrize(
+    ("bench", "word"),
+    [
+        (surface.BenchGeometry(-0.5, 1.0, 1e-5), "camera_distance"),
+        (surface.BenchGeometry(0.5, 0.0, 1e-5), "lamp_distance"),
+        (surface.BenchGeometry(0.5, 1.0, 0.0), "pixel_scale"),
+        (surface.BenchGeometry(0.5, 1.0, 1e-5, tilt=(1.5, 0.0)), "tilt"),
+        (surface.BenchGeometry(0.05, 1.0, 1e-3, tilt=(1.3, 0.0)), "horizon"),
+        (surface.UniformGeometry(0.0), "h_per_pixel"),
+    ],
+)
+def test_a_bench_that_cannot_stand_is_refused(bench, word):
+    rows, columns = np.mgrid[0.0:200.0, 0.0:240.0]
+    with pytest.raises(refuse.Refusal, match=word):
+        bench.h_of(rows, columns, CENTRE, SHAPE)
+
+
+def test_a_bracket_merges_to_the_scene_within_its_expected_deviation():
+    scene = np.geomspace(1e-4, 0.9, 100 * 100).reshape(100, 100)
+    camera = surface.VirtualCamera()
+    exposures = [1.0, 8.0, 64.0, 512.0]
+    photos = surface.photograph(scene, exposures, camera, seed=2)
+    full = camera.saturation - camera.black
+    merged = surface.merge(
+        photos,
+        [full * value for value in exposures],
+        camera.black,
+        camera.saturation,
+        camera.read_noise / camera.gain,
+        camera.gain,
+    )
+    ratio = (merged.values - scene) / merged.deviation
+    assert not merged.saturated.any()
+    assert abs(ratio.mean()) < 0.05
+    assert 0.9 < ratio.std() < 1.1
+
+
+def test_a_bracket_tells_its_black_level():
+    scene = np.geomspace(1e-4, 0.9, 10000).reshape(100, 100)
+    photos = surface.photograph(scene, [1.0, 8.0, 64.0], surface.VirtualCamera(black=512.0), seed=1)
+    assert surface.estimate_black(photos, [1.0, 8.0, 64.0]) == pytest.approx(512.0, abs=0.3)
+
+
+def test_what_all_exposures_clip_is_marked():
+    scene = np.full((8, 8), 0.1)
+    scene[3, 4] = 5.0
+    camera = surface.VirtualCamera(read_noise=0.0)
+    photos = surface.photograph(scene, [1.0, 4.0], camera)
+    merged = surface.merge(photos, [1.0, 4.0], camera.black, camera.saturation)
+    assert np.argwhere(merged.saturated).tolist() == [[3, 4]]
+
+
+def test_brackets_that_do_not_fit_are_refused():
+    flat = np.ones((4, 4))
+    with pytest.raises(refuse.Refusal, match="exposures"):
+        surface.merge([flat, flat], [1.0])
+    with pytest.raises(refuse.Refusal, match="shape"):
+        surface.merge([flat, np.ones((4, 5))], [1.0, 2.0])
+    with pytest.raises(refuse.Refusal, match="NaN"):
+        surface.merge([np.full((4, 4), np.nan)], [1.0])
+    with pytest.raises(refuse.Refusal, match="differ"):
+        surface.estimate_black([flat, flat], [1.0, 1.0])
+
+
+@pytest.mark.parametrize("shortest", [1.0, 30.0, 1024.0])
+@pytest.mark.parametrize("centre", [(201.37, 197.82), (212.25, 180.75)])
+def test_the_centre_is_found_to_a_fifth_of_a_pixel_even_where_it_is_clipped(shortest, centre):
+    scene = virtual.radiance(
+        surface.lcd_screen(), light.line(530e-9), surface.UniformGeometry(1.2e-4), (400, 400), centre
+    )
+    camera = surface.VirtualCamera(blur=1.0)
+    photo = surface.photograph(0.9 * scene, [shortest], camera, seed=4)[0] - camera.black
+    found = surface.find_centre(photo)
+    assert math.hypot(found.row - centre[0], found.column - centre[1]) < 0.2
+
+
+def test_the_dimmer_order_is_the_centre_where_it_is_said_to_be_near():
+    rows, columns = np.mgrid[0:100.0, 0:100.0]
+    photo = sum(
+        top * np.exp(-0.5 * ((rows - 50.2) ** 2 + (columns - column) ** 2) / 9.0)
+        for top, column in ((1.0, 70.0), (0.4, 40.3))
+    )
+    found = surface.find_centre(photo, "core", near=(50.0, 41.0))
+    assert math.hypot(found.row - 50.2, found.column - 40.3) < 0.1
+
+
+def test_darkness_has_no_centre():
+    with pytest.raises(refuse.Refusal, match="no light"):
+        surface.find_centre(np.zeros((20, 20)))
+
+
+def test_the_zero_order_takes_its_energy_with_it():
+    # A Gaussian of energy 2πσ² on nothing, cut at 6σ.
+    axis = np.linspace(-0.1, 0.1, 401)
+    values = np.exp(-0.5 * (axis[:, None] ** 2 + axis**2) / 0.005**2)
+    pattern = surface.diffraction_pattern(values, 0.1, 530e-9)
+    left, cut = surface.split_zero_order(pattern, 0.03)
+    assert cut.energy == pytest.approx(2 * math.pi * 0.005**2, rel=1e-5)
+    assert cut.width == pytest.approx(0.005, rel=1e-3)
+    assert left.values.max() < 1e-6
