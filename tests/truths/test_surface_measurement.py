@@ -8,8 +8,8 @@ from aureole.light.differences import difference_2000, lab
 from aureole.light.lookups import stretched_at
 from aureole.surface import virtual
 
-WAVELENGTH, STEP, SIZE, REACH = 530e-9, 4.8e-5, 1000, 0.024
-CENTRE = (501.37, 497.82)
+WAVELENGTH, STEP, SIZE, REACH = 530e-9, 4.8e-5, 500, 0.0118
+CENTRE = (251.37, 247.82)
 EXPOSURES = [1.0, 4.0, 16.0, 64.0, 256.0, 1024.0]
 SCREEN = surface.lcd_screen()
 GEOMETRY = surface.UniformGeometry(STEP)

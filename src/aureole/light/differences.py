@@ -77,7 +77,7 @@ def difference_2000(first: ArrayLike, second: ArrayLike) -> Values:
     weights = _weights(0.5 * (one[..., 0] + two[..., 0]), 0.5 * (chroma_1 + chroma_2), mean_hue)
     light, chroma, hue = lightness / weights[0], chroma / weights[1], hue / weights[2]
     square = light**2 + chroma**2 + hue**2 + weights[3] * chroma * hue
-    return np.sqrt(np.maximum(square, 0.0))
+    return np.asarray(np.sqrt(np.maximum(square, 0.0)))
 
 
 def _polar(colours: Values, stretch: Values) -> tuple[Values, Values]:

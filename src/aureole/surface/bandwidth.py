@@ -142,7 +142,7 @@ def sharpen(
     # What is far below the pattern's least light cannot change, so that a zero divides nothing.
     floor = np.float32(1e-9 * top)
     seen = np.maximum(adjoint(np.ones_like(measured)), np.float32(1e-3))
-    estimate = np.maximum(measured, floor)
+    estimate: Plane = np.maximum(measured, floor)
     for _ in range(iterations):
         ratio = measured / np.maximum(forward(estimate), floor)
         estimate = np.maximum(estimate * adjoint(ratio) / seen, floor)

@@ -139,7 +139,7 @@ def _symmetry(values: NDArray[np.float64], core: Centre, reach: float) -> Centre
     window = int(np.ceil(2.0 * reach)) + 1
     rows, columns = (2 * count + np.arange(-window, window + 1) for count in half)
     near = turned[np.ix_(rows % size[0], columns % size[1])]
-    place = np.unravel_index(int(np.argmax(near)), near.shape)
+    place = divmod(int(np.argmax(near)), near.shape[1])
     top = near[place]
     offsets = [_vertex(np.moveaxis(near, axis, 0), place[axis], place[1 - axis]) for axis in (0, 1)]
     shift = [0.5 * (place[axis] - window + offsets[axis]) for axis in (0, 1)]

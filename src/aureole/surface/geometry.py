@@ -148,7 +148,8 @@ class BenchGeometry:
         """
         tangent, bitangent, normal = self._frame()
         camera = np.array([0.0, 0.0, refuse.positive("camera_distance", self.camera_distance)])
-        points = self._hits(*np.broadcast_arrays(rows, columns), camera, normal, shape)
+        rows, columns = np.broadcast_arrays(rows, columns)
+        points = self._hits(rows, columns, camera, normal, shape)
         start = self._hits(np.asarray(centre[0]), np.asarray(centre[1]), camera, normal, shape)
         # The mirror's law at the zero order gives the lamp's direction.
         seen = _unit(camera - start)

@@ -81,7 +81,7 @@ def merge(
     usable = np.ones(stack.shape, dtype=bool)
     if saturation is not None:
         usable = stack < TOP * refuse.positive("saturation", saturation)
-    saturated = ~usable.any(axis=0)
+    saturated = np.asarray(~usable.any(axis=0))
     # Where all are clipped the shortest exposure says most.
     usable[np.argmin(times)] |= saturated
     counts = stack - _black_frames(black, stack, times, usable)

@@ -84,7 +84,8 @@ def lcd_screen(
         return np.asarray((np.sinc(width * h / wavelength) * ratio) ** 2)
 
     def diffraction(h_t: Values, h_b: Values, wavelength: float) -> Values:
-        return slits(h_t, wavelength) * slits(h_b, wavelength) * (reference / wavelength) ** power
+        both = slits(h_t, wavelength) * slits(h_b, wavelength)
+        return np.asarray(both * (reference / wavelength) ** power)
 
     return diffraction
 
