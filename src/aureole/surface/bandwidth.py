@@ -135,7 +135,7 @@ def sharpen(
     """
     iterations = refuse.at_least("iterations", iterations, 1)
     forward, adjoint = _operators(pattern, band, power, blur)
-    measured = np.maximum(pattern.values, 0.0)
+    measured: Plane = np.maximum(pattern.values, np.float32(0.0))
     top = float(measured.max())
     if not top > 0:
         return pattern
@@ -144,7 +144,7 @@ def sharpen(
     seen = np.maximum(adjoint(np.ones_like(measured)), np.float32(1e-3))
     estimate: Plane = np.maximum(measured, floor)
     for _ in range(iterations):
-        ratio = measured / np.maximum(forward(estimate), floor)
+        ratio: Plane = measured / np.maximum(forward(estimate), floor)
         estimate = np.maximum(estimate * adjoint(ratio) / seen, floor)
     return replace(pattern, values=estimate.astype(np.float32))
 
