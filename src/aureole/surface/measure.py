@@ -59,7 +59,11 @@ def measure_pattern(
         Where camera and lamp stood.
     wavelength : float
         Metres: the band's.
-    black, saturation, read_noise, gain
+    black : float, sequence of array_like, or str
+        As for `merge`.
+    saturation : float or None
+        As for `merge`.
+    read_noise, gain : float
         As for `merge`.
     centre : tuple of float or str
         The zero order's (row, column), or a method of `find_centre`.
@@ -124,8 +128,14 @@ def table_from_photo(
 
     Parameters
     ----------
-    photos, exposures, geometry, wavelength
-        As for `measure_pattern`.
+    photos : array_like of shape (rows, columns), or sequence of them
+        One linear HDR photograph, or a bracket.
+    exposures : float or sequence of float
+        Of each photograph.
+    geometry : BenchGeometry or UniformGeometry
+        Where camera and lamp stood.
+    wavelength : float
+        Metres: the band's.
     spectrum : Spectrum or str
         The light of the table.
     model : {"phase", "amplitude", "paper"}
@@ -139,7 +149,7 @@ def table_from_photo(
         Samples of the table along each axis.
     warp : int
         Of the table's axes.
-    **measurement
+    **measurement : dict
         What else `measure_pattern` takes.
 
     Returns
