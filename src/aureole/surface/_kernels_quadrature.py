@@ -1,7 +1,5 @@
 """The sum over all directions of light, look-up by look-up: what every faster way is held against."""
 
-from math import floor
-
 from numba import njit, prange
 
 
@@ -15,7 +13,7 @@ def _place(h, half_range, inverse_warp, count):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, parallel=True)
 def add_samples(views, places, energies, count, values, half_range, inverse_warp, total):  # type: ignore[no-untyped-def]
-    """Add the table's value at each sample's and view's h, times the sample's energy, to each view's total."""
+    """Add the table's value at each sample's and view's h, times its energy, to each view's total."""
     rows, columns, _ = values.shape
     for v in prange(views.shape[0]):
         red, green, blue = 0.0, 0.0, 0.0
@@ -24,7 +22,7 @@ def add_samples(views, places, energies, count, values, half_range, inverse_warp
                 continue
             x = _place(places[p, 0] + views[v, 0], half_range, inverse_warp, columns)
             y = rows - 1 - _place(places[p, 1] + views[v, 1], half_range, inverse_warp, rows)
-            j, i = min(int(floor(x)), columns - 2), min(int(floor(y)), rows - 2)
+            j, i = min(int(x), columns - 2), min(int(y), rows - 2)
             right, down = x - j, y - i
             a, b = (1.0 - down) * (1.0 - right), (1.0 - down) * right
             c, d = down * (1.0 - right), down * right

@@ -375,7 +375,7 @@ def frame_checked(frame: ArrayLike) -> NDArray[np.float64]:
     axes = refuse.all_finite("frame", refuse.shape_of("frame", frame, (3, 3))).astype(np.float64)
     if not np.allclose(axes @ axes.T, np.eye(3), atol=1e-6):
         raise refuse.Refusal(
-            "'frame' must be three unit vectors at right angles: tangent, bitangent, normal."
+            "'frame' must be three unit vectors at right angles (tangent, bitangent, normal)."
         )
     return axes
 
