@@ -114,8 +114,8 @@ def convolved(table: ScatterTable, lamp: LampShape, method: str = "auto") -> Sca
     needed, allowed = side * side * BYTES, picture.allowed_memory(None)
     if needed > allowed:
         raise refuse.Refusal(
-            f"'lamp' has a step of {lamp.step:g} in h, for which the table needs {needed / 1e9:.3g} GB of memory; "
-            f"{allowed / 1e9:.3g} GB are free. A coarser photograph of the lamp needs less."
+            f"'lamp' has a step of {lamp.step:g} in h, for which the table needs {needed / 1e9:.3g} GB "
+            f"of memory; {allowed / 1e9:.3g} GB are free. A coarser photograph of the lamp needs less."
         )
     colours = rgb(table, lamp.colour_space)
     plane = on_even_steps(colours, table.half_range, table.warp, (side, side), lamp.step)
