@@ -50,7 +50,7 @@ def on_even_steps(
     refuse.one_of("filter", filter, FILTERS)
     refuse.positive("step", step)
     down, along = (
-        _matrix(size, half_range, warp, (np.arange(count) - count // 2) * step, step, filter)
+        _matrix(size, half_range, warp, np.float64(step) * (np.arange(count) - count // 2), step, filter)
         for size, count in zip(values.shape[:2], counts, strict=True)
     )
     channels = [
