@@ -25,16 +25,22 @@ Hit on_plane(vec3 eye, vec3 ray) {
   return hit;
 }
 
+// The nearer wall within the height: from outside, or the inner one seen through an open end.
 Hit on_cylinder(vec3 eye, vec3 ray) {
   Hit hit;
+  hit.found = false;
   float a = dot(ray.xz, ray.xz), b = dot(eye.xz, ray.xz), c = dot(eye.xz, eye.xz) - extent.x * extent.x;
   float root = b * b - a * c;
-  float way = (-b - sqrt(max(root, 0.0))) / a;
-  hit.at = eye + way * ray;
-  hit.normal = vec3(hit.at.x, 0.0, hit.at.z) / extent.x;
-  hit.tangent = vec3(hit.normal.z, 0.0, -hit.normal.x);
+  for (float side = -1.0; side < 2.0; side += 2.0) {
+    float way = (-b + side * sqrt(max(root, 0.0))) / a;
+    hit.at = eye + way * ray;
+    hit.found = root > 0.0 && way > 0.0 && abs(hit.at.y) <= extent.y;
+    if (hit.found) break;
+  }
+  vec3 outward = vec3(hit.at.x, 0.0, hit.at.z) / extent.x;
+  hit.normal = dot(outward, ray) < 0.0 ? outward : -outward;
+  hit.tangent = vec3(outward.z, 0.0, -outward.x);
   hit.bitangent = vec3(0.0, 1.0, 0.0);
-  hit.found = root > 0.0 && way > 0.0 && abs(hit.at.y) <= extent.y;
   return hit;
 }
 
