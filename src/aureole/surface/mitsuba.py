@@ -188,14 +188,14 @@ def _stretch(length: int, warp: int) -> NDArray[np.float64]:
     """Mean of n |u|^(n - 1) over each sample's cell: never zero, as the power itself is at the middle."""
     edges = np.linspace(-1.0, 1.0, length)
     edges = np.concatenate([edges[:1], 0.5 * (edges[1:] + edges[:-1]), edges[-1:]])
-    return np.diff(np.sign(edges) * np.abs(edges) ** warp) / np.diff(edges)
+    return np.asarray(np.diff(np.sign(edges) * np.abs(edges) ** warp) / np.diff(edges))
 
 
 def _register(mitsuba: Any) -> None:
     """Define the BSDF for the variant that is set: its base class is another in each."""
     import drjit as dr
 
-    class SurfaceBSDF(mitsuba.BSDF):  # type: ignore[misc, name-defined]
+    class SurfaceBSDF(mitsuba.BSDF):  # type: ignore[misc]
         """f_r = diffuse / π + 4π² F² S_d(h), sampled by the table and a cosine lobe."""
 
         def __init__(self, properties: Any) -> None:
