@@ -31,38 +31,56 @@ _LARGEST_TEXTURE = 2048
 
 @dataclasses.dataclass(frozen=True)
 class WebView:
-    """How the page first shows the object, which lies at the origin with z toward the eye."""
+    """How the page first shows the object, which lies at the origin with z toward the eye.
+
+    Parameters
+    ----------
+    shape : str
+        One of `SHAPES`: a plane, a disc whose tangents are radial, a cylinder that stands upright.
+    extents : dict of str to tuple of float
+        Half width and half height; outer and inner radius; radius and half height: any unit of length.
+    yaw : float
+        Radians, about the y axis.
+    pitch : float
+        Radians, about the x axis, before the yaw.
+    distance : float
+        From the eye to the origin.
+    field_of_view : float
+        Radians from the picture's lower to its upper edge.
+    lamp : tuple of float
+        The lamp's place.
+    lamp_power : float
+        Its radiant intensity: the irradiance at distance 1, facing it.
+    exposure : float
+        Stops.
+    f0 : tuple of float
+        Reflectance at normal incidence, linear Rec.709; Schlick's factor follows from it.
+    diffraction : float
+        Weight of the table's part.
+    diffuse : tuple of float
+        Albedo of the diffuse part, linear Rec.709.
+    specular : float
+        Weight of the Cook-Torrance lobe.
+    roughness : float
+        Root mean square slope of its facets.
+    """
 
     shape: str = "disc"
-    """One of `SHAPES`: a plane, a disc whose tangents are radial, a cylinder that stands upright."""
     extents: dict[str, tuple[float, float]] = dataclasses.field(
         default_factory=lambda: {"plane": (1.0, 0.6), "disc": (1.0, 0.25), "cylinder": (0.6, 0.8)}
     )
-    """Half width and half height; outer and inner radius; radius and half height: any unit of length."""
     yaw: float = 0.0
-    """Radians, about the y axis."""
     pitch: float = 0.0
-    """Radians, about the x axis, before the yaw."""
     distance: float = 4.0
-    """From the eye to the origin."""
     field_of_view: float = 0.6
-    """Radians from the picture's lower to its upper edge."""
     lamp: tuple[float, float, float] = (0.0, 1.2, 4.0)
-    """The lamp's place."""
     lamp_power: float = 16.0
-    """Its radiant intensity: the irradiance at distance 1, facing it."""
     exposure: float = 0.0
-    """Stops."""
     f0: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    """Reflectance at normal incidence, linear Rec.709; Schlick's factor follows from it."""
     diffraction: float = 1.0
-    """Weight of the table's part."""
     diffuse: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Albedo of the diffuse part, linear Rec.709."""
     specular: float = 0.0
-    """Weight of the Cook-Torrance lobe."""
     roughness: float = 0.1
-    """Root mean square slope of its facets."""
 
 
 def write_page(

@@ -49,16 +49,24 @@ _tables: dict[int, ScatterTable] = {}
 
 @dataclass(frozen=True)
 class Probe:
-    """What became of a try to render with a variant in a process of its own."""
+    """What became of a try to render with a variant in a process of its own.
+
+    Parameters
+    ----------
+    variant : str
+        Mitsuba's name of it.
+    works : bool
+        Whether it rendered.
+    reason : str
+        Where it did not, why, and what would help.
+    environment : dict of str
+        What must be in the environment before Mitsuba is imported.
+    """
 
     variant: str
-    """Mitsuba's name of it."""
     works: bool
-    """Whether it rendered."""
     reason: str = ""
-    """Where it did not, why, and what would help."""
     environment: dict[str, str] = field(default_factory=dict)
-    """What must be in the environment before Mitsuba is imported."""
 
 
 @functools.cache
