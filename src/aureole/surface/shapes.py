@@ -1,0 +1,292 @@
+"""The shapes that a material is on, and what of them a view sees: plane, disc, cylinder, meshes.
+
+Each shape lies in coordinates of its own; `Pose` puts it into the world.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from aureole import refuse
+from aureole.surface import _kernels_cast, _kernels_mesh
+from aureole.surface.views import View
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Where a shape is and how it is turned.
+
+    Parameters
+    ----------
+    axes : ndarray of float64, shape (3, 3)
+        Its x, y and z axis in the world, a row each: orthonormal, right-handed.
+    place : ndarray of float64, shape (3,)
+        Its origin, in metres.
+    """
+
+    axes: NDArray[np.float64] = field(default_factory=lambda: np.eye(3))
+    place: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A rectangle in z = 0 about the origin: tangent x, bitangent y, both sides reflect.
+
+    Parameters
+    ----------
+    width, height : float
+        Metres along x and y.
+    """
+
+    width: float
+    height: float
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A disc in z = 0 about the origin, with a hole; both sides reflect.
+
+    Parameters
+    ----------
+    diameter : float
+        Metres; a compact disc has 0.12.
+    hole : float
+        Diameter of the hole; the grooves of a compact disc start at 0.046.
+    radial : bool
+        Whether the tangent points away from the centre, as across the tracks of an optical disc, or along x.
+    """
+
+    diameter: float
+    hole: float = 0.0
+    radial: bool = True
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """A sheet bent about the y axis, its middle at z = radius: tangent around it, bitangent along its axis.
+
+    Parameters
+    ----------
+    radius, height : float
+        Metres.
+    sweep : float
+        Angle that it covers, in radians; 2π is closed.
+    """
+
+    radius: float
+    height: float
+    sweep: float = 2.0 * np.pi
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Triangles with a normal, a tangent and texture coordinates at each corner.
+
+    Parameters
+    ----------
+    vertices : ndarray of float64, shape (V, 3)
+        Metres.
+    triangles : ndarray of int64, shape (T, 3)
+        Numbers of the corners, counter-clockwise as seen from outside.
+    normals, tangents : ndarray of float64, shape (V, 3)
+        Unit vectors, at right angles.
+    signs : ndarray of float64, shape (V,)
+        ±1: bitangent = sign · normal × tangent.
+    texture : ndarray of float64, shape (V, 2)
+        u to the right, v upward, 0..1.
+    """
+
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    normals: NDArray[np.float64]
+    tangents: NDArray[np.float64]
+    signs: NDArray[np.float64]
+    texture: NDArray[np.float64]
+
+
+Shape = Plane | Disc | Cylinder | Mesh
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """What a view sees of a shape, a frame for each sample.
+
+    Parameters
+    ----------
+    frames : ndarray of float32, shape (rows, columns, 17)
+        0 whether there is a surface, 1-3 place, 4-6 normal, 7-9 tangent, 10 sign of the bitangent,
+        11-12 texture coordinates, 13-15 unit vector to the eye, 16 depth along the line of sight in metres.
+    """
+
+    frames: NDArray[np.float32]
+
+    @property
+    def hit(self) -> NDArray[np.bool_]:
+        """Whether each sample sees a surface, (rows, columns)."""
+        return self.frames[..., 0] > 0
+
+    @property
+    def places(self) -> NDArray[np.float32]:
+        """Where each sample meets the surface, (rows, columns, 3), metres."""
+        return self.frames[..., 1:4]
+
+    @property
+    def normals(self) -> NDArray[np.float32]:
+        """Unit vectors towards the viewer's side, (rows, columns, 3)."""
+        return self.frames[..., 4:7]
+
+    @property
+    def tangents(self) -> NDArray[np.float32]:
+        """Unit vectors, (rows, columns, 3)."""
+        return self.frames[..., 7:10]
+
+    @property
+    def bitangents(self) -> NDArray[np.float32]:
+        """Unit vectors, (rows, columns, 3)."""
+        return np.cross(self.normals, self.tangents) * self.frames[..., 10:11]
+
+    @property
+    def texture(self) -> NDArray[np.float32]:
+        """Texture coordinates u to the right, v upward, (rows, columns, 2)."""
+        return self.frames[..., 11:13]
+
+    @property
+    def outward(self) -> NDArray[np.float32]:
+        """Unit vectors towards the eye, (rows, columns, 3)."""
+        return self.frames[..., 13:16]
+
+    @property
+    def depth(self) -> NDArray[np.float32]:
+        """Metres along the line of sight, (rows, columns); only where `hit`."""
+        return self.frames[..., 16]
+
+
+def pose_of(
+    place: ArrayLike = (0.0, 0.0, 0.0),
+    tilt: float = 0.0,
+    turn: float = 0.0,
+    spin: float = 0.0,
+) -> Pose:
+    """Make a pose: the shape spins about its own z, then tilts about x, then turns about y, then moves.
+
+    Parameters
+    ----------
+    place : array_like, shape (3,)
+        Where its origin goes, in metres.
+    tilt, turn, spin : float
+        Angles in radians, counter-clockwise as seen against the axis.
+
+    Returns
+    -------
+    Pose
+        The pose.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is missing or not finite.
+    """
+    where = np.array(refuse.all_finite("place", refuse.shape_of("place", place, (3,))), dtype=np.float64)
+    turned = (
+        _rotation(1, refuse.finite("turn", turn))
+        @ _rotation(0, refuse.finite("tilt", tilt))
+        @ _rotation(2, refuse.finite("spin", spin))
+    )
+    return Pose(np.ascontiguousarray(turned.T), where)
+
+
+def see(
+    shape: Shape,
+    view: View,
+    pose: Pose | None = None,
+    samples: int = 1,
+    rows: tuple[int, int] | None = None,
+) -> Seen:
+    """Find what a view sees of a shape.
+
+    Parameters
+    ----------
+    shape : Plane, Disc, Cylinder or Mesh
+        The shape.
+    view : View
+        The view.
+    pose : Pose or None
+        Where the shape is; None leaves it at the origin, unturned.
+    samples : int
+        Samples a pixel along each axis.
+    rows : tuple of int or None
+        First row of samples, and the one after the last; None is all of them.
+
+    Returns
+    -------
+    Seen
+        A frame for each sample, samples · view.shape of them where `rows` is None.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a length is not positive or the samples are not at least 1.
+    """
+    count = refuse.at_least("samples", samples, 1)
+    size = view.shape[0] * count, view.shape[1] * count
+    first, last = (0, size[0]) if rows is None else rows
+    where = Pose() if pose is None else pose
+    place = np.vstack([where.axes, where.place[None]])
+    sight = np.vstack([view.eye, view.right, view.up, view.forward])
+    frames = np.empty((last - first, size[1], _kernels_cast.WIDTH), dtype=np.float32)
+    bounds = np.array([*size, first], dtype=np.int64)
+    if isinstance(shape, Mesh):
+        _see_mesh(shape, place, sight, view.perspective, bounds, frames)
+    else:
+        kind, numbers = _numbers(shape)
+        _kernels_cast.cast(kind, numbers, place, sight, view.perspective, bounds, frames)
+    return Seen(frames)
+
+
+def _numbers(shape: Plane | Disc | Cylinder) -> tuple[int, NDArray[np.float64]]:
+    """Write a shape as a kind and its numbers."""
+    match shape:
+        case Plane():
+            width = refuse.positive("width", shape.width)
+            kind, numbers = _kernels_cast.PLANE, [width, refuse.positive("height", shape.height), 0.0, 0.0]
+        case Disc():
+            across = refuse.positive("diameter", shape.diameter)
+            hole = refuse.between("hole", shape.hole, 0.0, across)
+            kind, numbers = _kernels_cast.DISC, [across, across, 0.5 * hole, float(shape.radial)]
+        case Cylinder():
+            radius, height = refuse.positive("radius", shape.radius), refuse.positive("height", shape.height)
+            sweep = refuse.between("sweep", shape.sweep, 1e-6, 2.0 * np.pi)
+            kind, numbers = _kernels_cast.CYLINDER, [radius, height, sweep, 0.0]
+    return kind, np.array(numbers)
+
+
+def _see_mesh(
+    mesh: Mesh,
+    place: NDArray[np.float64],
+    sight: NDArray[np.float64],
+    perspective: bool,
+    bounds: NDArray[np.int64],
+    frames: NDArray[np.float32],
+) -> None:
+    """Turn a mesh into the world and fill the frames of its nearest triangles."""
+    axes, origin = place[:3], place[3]
+    attributes = np.hstack(
+        [
+            mesh.vertices @ axes + origin,
+            mesh.normals @ axes,
+            mesh.tangents @ axes,
+            mesh.signs[:, None],
+            mesh.texture,
+        ]
+    )
+    _kernels_mesh.raster(mesh.triangles, attributes, sight, perspective, bounds, frames)
+
+
+def _rotation(axis: int, angle: float) -> NDArray[np.float64]:
+    """Return the matrix that turns counter-clockwise about an axis."""
+    one, other = (axis + 1) % 3, (axis + 2) % 3
+    matrix = np.eye(3)
+    matrix[one, one] = matrix[other, other] = np.cos(angle)
+    matrix[other, one], matrix[one, other] = np.sin(angle), -np.sin(angle)
+    return matrix
