@@ -16,53 +16,87 @@ PLANE, DISC, CYLINDER = 0, 1, 2
 
 
 @njit(cache=True)
-def _meet(kind, numbers, o, d, local):  # type: ignore[no-untyped-def]
-    """Fill a local hit: 0 distance, 1-3 normal, 4-6 tangent, 7 sign, 8-9 texture; return whether there is one."""
-    if kind == CYLINDER:
-        return _meet_cylinder(numbers, o, d, local)
-    if d[2] == 0.0:
-        return False
-    t = -o[2] / d[2]
-    x, y = o[0] + t * d[0], o[1] + t * d[1]
-    tx, ty = 1.0, 0.0
-    u, v = 0.5 + x / numbers[0], 0.5 + y / numbers[1]
+def _meet_flat(kind, width, height, hole, radial, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+    """Meet z = 0 within a rectangle or a ring; return distance (0: none), side, tangent x, y, texture."""
+    t = -oz / dz if dz != 0.0 else 0.0
+    x, y = ox + t * dx, oy + t * dy
+    u, v = 0.5 + x / width, 0.5 + y / height
     if t <= 0.0 or u < 0.0 or u > 1.0 or v < 0.0 or v > 1.0:
-        return False
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    tx, ty = 1.0, 0.0
     if kind == DISC:
         radius = math.sqrt(x * x + y * y)
-        if radius > 0.5 * numbers[0] or radius < numbers[2]:
-            return False
-        if numbers[3] > 0.0 and radius > 0.0:
+        if radius > 0.5 * width or radius < hole:
+            return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        if radial > 0.0 and radius > 0.0:
             tx, ty = x / radius, y / radius
-    front = 1.0 if d[2] < 0.0 else -1.0
-    local[0], local[1], local[2], local[3] = t, 0.0, 0.0, front
-    local[4], local[5], local[6] = tx, ty, 0.0
-    local[7], local[8], local[9] = front, u, v
-    return True
+    return t, 1.0 if dz < 0.0 else -1.0, tx, ty, u, v
 
 
 @njit(cache=True)
-def _meet_cylinder(numbers, o, d, local):  # type: ignore[no-untyped-def]
-    """Meet the nearer wall within the sweep: axis y, middle of the sweep at +z, tangent around the axis."""
-    radius, height, sweep = numbers[0], numbers[1], numbers[2]
-    a = d[0] * d[0] + d[2] * d[2]
-    b = o[0] * d[0] + o[2] * d[2]
-    root = b * b - a * (o[0] * o[0] + o[2] * o[2] - radius * radius)
-    if a == 0.0 or root < 0.0:
-        return False
-    root = math.sqrt(root)
-    for side in (-1.0, 1.0):
-        t = (-b + side * root) / a
-        x, y, z = o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]
-        u, v = 0.5 + math.atan2(x, z) / sweep, 0.5 + y / height
-        if t > 0.0 and 0.0 <= u <= 1.0 and 0.0 <= v <= 1.0:
-            nx, nz = x / radius, z / radius
-            front = 1.0 if nx * d[0] + nz * d[2] < 0.0 else -1.0
-            local[0], local[1], local[2], local[3] = t, front * nx, 0.0, front * nz
-            local[4], local[5], local[6] = nz, 0.0, -nx
-            local[7], local[8], local[9] = front, u, v
-            return True
-    return False
+def _meet_cylinder(radius, height, sweep, ox, oy, oz, dx, dy, dz):  # type: ignore[no-untyped-def]
+    """Meet the nearer wall within the sweep; return distance (0: none), side, normal x, z, texture."""
+    a, b = dx * dx + dz * dz, ox * dx + oz * dz
+    root = b * b - a * (ox * ox + oz * oz - radius * radius)
+    if a > 0.0 and root >= 0.0:
+        root = math.sqrt(root)
+        for side in (-1.0, 1.0):
+            t = (-b + side * root) / a
+            x, y, z = ox + t * dx, oy + t * dy, oz + t * dz
+            u, v = 0.5 + math.atan2(x, z) / sweep, 0.5 + y / height
+            if t > 0.0 and 0.0 <= u <= 1.0 and 0.0 <= v <= 1.0:
+                return t, 1.0 if x * dx + z * dz < 0.0 else -1.0, x / radius, z / radius, u, v
+    return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+
+
+@njit(cache=True)
+def cast_row(kind, numbers, pose, rays, y, columns, found, where):  # type: ignore[no-untyped-def]
+    """Fill found (17, columns) with the frames that a row of rays meets and where (columns,); count them.
+
+    Pose (4, 3) is three axes of the shape in the world and its place. Rays (6, 3) are origin, direction, what
+    x and y add to the origin, what they add to the direction; -1..1 are the view's borders.
+    """
+    n0, n1, n2, n3 = numbers[0], numbers[1], numbers[2], numbers[3]
+    o, d = np.empty(3), np.empty(3)
+    start, slope = np.empty(6), np.empty(6)
+    for k in range(3):
+        o[k], d[k] = rays[0, k] + y * rays[3, k], rays[1, k] + y * rays[5, k]
+    # The row's rays in the shape's own coordinates: start + x · slope, places first, directions after.
+    for m in range(3):
+        start[m] = start[3 + m] = slope[m] = slope[3 + m] = 0.0
+        for k in range(3):
+            start[m] += pose[m, k] * (o[k] - pose[3, k])
+            start[3 + m] += pose[m, k] * d[k]
+            slope[m] += pose[m, k] * rays[2, k]
+            slope[3 + m] += pose[m, k] * rays[4, k]
+    s0, s1, s2, s3, s4, s5 = start[0], start[1], start[2], start[3], start[4], start[5]
+    g0, g1, g2, g3, g4, g5 = slope[0], slope[1], slope[2], slope[3], slope[4], slope[5]
+    count = 0
+    for j in range(columns):
+        x = (2.0 * j + 1.0) / columns - 1.0
+        px, py, pz = s0 + x * g0, s1 + x * g1, s2 + x * g2
+        dx, dy, dz = s3 + x * g3, s4 + x * g4, s5 + x * g5
+        nx = ty = 0.0
+        if kind == CYLINDER:
+            t, front, nx, nz, u, v = _meet_cylinder(n0, n1, n2, px, py, pz, dx, dy, dz)
+            tx, tz = nz, -nx
+        else:
+            t, front, tx, ty, u, v = _meet_flat(kind, n0, n1, n2, n3, px, py, pz, dx, dy, dz)
+            nz, tz = 1.0, 0.0
+        if t <= 0.0:
+            continue
+        where[count] = j
+        found[0, count], found[10, count], found[11, count], found[12, count] = 1.0, front, u, v
+        found[16, count] = t
+        away = -1.0 / math.sqrt(dx * dx + dy * dy + dz * dz)
+        for k in range(3):
+            along = d[k] + x * rays[4, k]
+            found[1 + k, count] = o[k] + x * rays[2, k] + t * along
+            found[4 + k, count] = front * (pose[0, k] * nx + pose[2, k] * nz)
+            found[7 + k, count] = pose[0, k] * tx + pose[1, k] * ty + pose[2, k] * tz
+            found[13 + k, count] = away * along
+        count += 1
+    return count
 
 
 @njit(cache=True, parallel=True)
@@ -70,40 +104,17 @@ def cast(
     kind: int,
     numbers: NDArray[np.float64],
     pose: NDArray[np.float64],
-    view: NDArray[np.float64],
-    perspective: bool,
+    rays: NDArray[np.float64],
     size: NDArray[np.int64],
     frames: NDArray[np.float32],
 ) -> None:
-    """Fill frames (rows, columns, 17) for the rows of samples from `size[2]` on.
-
-    Pose (4, 3) is three axes of the shape in the world and its place; view (4, 3) is eye, right, up,
-    forward; size is the view's sampled rows and columns, and the first row asked for.
-    """
-    rows, columns, first = size
+    """Fill frames (rows, columns, 17) for the rows of samples from `size[2]` on of a view of size[:2] samples."""
+    rows, columns, first = size[0], size[1], size[2]
     for i in prange(frames.shape[0]):
-        d, o, direction, origin = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-        local = np.empty(10)
+        found, where = np.empty((WIDTH, columns), np.float32), np.empty(columns, np.int64)
         y = 1.0 - (2.0 * (i + first) + 1.0) / rows
-        for j in range(columns):
-            x = (2.0 * j + 1.0) / columns - 1.0
-            for k in range(3):
-                aside = x * view[1, k] + y * view[2, k]
-                direction[k] = view[3, k] + aside if perspective else view[3, k]
-                origin[k] = view[0, k] if perspective else view[0, k] + aside
-            for k in range(3):
-                d[k], o[k] = 0.0, 0.0
-                for m in range(3):
-                    d[k] += pose[k, m] * direction[m]
-                    o[k] += pose[k, m] * (origin[m] - pose[3, m])
-            frame = frames[i, j]
-            frame[0] = 0.0
-            if not _meet(kind, numbers, o, d, local):
-                continue
-            frame[0], frame[10], frame[11], frame[12], frame[16] = 1.0, local[7], local[8], local[9], local[0]
-            away = 1.0 / math.sqrt(direction[0] ** 2 + direction[1] ** 2 + direction[2] ** 2)
-            for k in range(3):
-                frame[1 + k] = origin[k] + local[0] * direction[k]
-                frame[4 + k] = pose[0, k] * local[1] + pose[1, k] * local[2] + pose[2, k] * local[3]
-                frame[7 + k] = pose[0, k] * local[4] + pose[1, k] * local[5] + pose[2, k] * local[6]
-                frame[13 + k] = -direction[k] * away
+        count = cast_row(kind, numbers, pose, rays, y, columns, found, where)
+        frames[i, :, 0] = np.float32(0.0)
+        for m in range(count):
+            for k in range(WIDTH):
+                frames[i, where[m], k] = found[k, m]

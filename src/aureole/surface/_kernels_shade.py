@@ -1,7 +1,12 @@
 """What a surface reflects from a handful of lamps: diffuse, Cook-Torrance, diffraction from a table.
 
-Frames are the rows of numbers that `_kernels_cast` describes. A lamp is a row: 0-2 place or direction, 3 is 1
-for a place and 0 for a direction, 4-6 intensity, 7-9 the unit vector it faces (zero: all ways alike).
+Frames are the numbers that `_kernels_cast` describes. A lamp is a row: 0-2 place or direction, 3 is 1 for a
+place and 0 for a direction, 4-6 intensity, 7-9 the unit vector it faces (zero: all ways alike).
+
+Tables are (T, R, C, 3), regions say which of them a texture pixel has, mask how much of it. Numbers are
+diffuse / π (3), the weights of Cook-Torrance and diffraction, roughness, 1/(2σ²) of the window along tangent
+and bitangent, whether G is Stam's ratio, and |h| at the table's border. Fresnel (K, 3) is over the cosine
+0..1 between light and half vector.
 """
 
 import math
@@ -10,55 +15,131 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+from aureole.surface._kernels_cast import WIDTH, cast_row
+
 ONE = np.float32(1.0)
 ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+_LEAST = np.float32(1e-30)
+_BITS = 1065353216  # of 1.0
 
 
-@njit(cache=True, fastmath={"contract"}, inline="always")
-def _root(x, power):  # type: ignore[no-untyped-def]
-    """Take the odd root of 0..1: the exponent's bits divided, then Newton's steps."""
-    if power == 1 or x < np.float32(1e-30):
-        return x
-    bits = np.float32(x).view(np.int32)
-    y = np.int32(bits // power + (1065353216 // power) * (power - 1)).view(np.float32)
-    inverse = ONE / np.float32(power)
-    for _ in range(3):
-        below = ONE
-        for _ in range(power - 1):
-            below *= y
-        y += (x / below - y) * inverse
-    return y
+@njit(cache=True, fastmath={"contract"})
+def _places(h, sign, half_range, power, size, work, place):  # type: ignore[no-untyped-def]
+    """Fill the places among a table's samples along an axis, whose ends are sign · h = ±half_range.
+
+    The odd root of |h| / half_range starts from the exponent's bits divided and takes Newton's steps.
+    """
+    count = h.size
+    inverse, bias = ONE / np.float32(power), np.float32(_BITS) - np.float32(_BITS) / np.float32(power)
+    for j in range(count):
+        place[j] = max(min(abs(h[j]) / half_range, ONE), _LEAST)
+    if power > 1:
+        start = place.view(np.int32)
+        for j in range(count):
+            work[1, j] = place[j]
+            start[j] = np.int32(np.float32(start[j]) * inverse + bias)
+        for _ in range(3):
+            for j in range(count):
+                work[0, j] = place[j]
+            for _ in range(power - 2):
+                for j in range(count):
+                    work[0, j] *= place[j]
+            for j in range(count):
+                place[j] += (work[1, j] / work[0, j] - place[j]) * inverse
+    for j in range(count):
+        place[j] = HALF * np.float32(size - 1) * (ONE + (place[j] if sign * h[j] > ZERO else -place[j]))
 
 
-@njit(cache=True, fastmath={"contract"}, inline="always")
-def _place(h, half_range, warp, count):  # type: ignore[no-untyped-def]
-    """Return the position among a table's samples along an axis where h = ±half_range at its ends."""
-    u = _root(min(abs(h) / half_range, ONE), warp)
-    return np.float32(0.5) * np.float32(count - 1) * (ONE + (u if h > ZERO else -u))
+@njit(cache=True, fastmath={"contract"})
+def _directions(f, count, lamp, along):  # type: ignore[no-untyped-def]
+    """Fill along (6, count): irradiance, cosines to the lamp and to the eye, h·t, h·b, the half vector's cosine."""
+    px, py, pz, near = lamp[0], lamp[1], lamp[2], lamp[3]
+    facing = lamp[7] * lamp[7] + lamp[8] * lamp[8] + lamp[9] * lamp[9] > ZERO
+    for j in range(count):
+        ix, iy, iz = px - near * f[1, j], py - near * f[2, j], pz - near * f[3, j]
+        close = ONE / math.sqrt(ix * ix + iy * iy + iz * iz)
+        ix, iy, iz = ix * close, iy * close, iz * close
+        nx, ny, nz, tx, ty, tz = f[4, j], f[5, j], f[6, j], f[7, j], f[8, j], f[9, j]
+        ox, oy, oz = f[13, j], f[14, j], f[15, j]
+        hx, hy, hz = ix + ox, iy + oy, iz + oz
+        bx, by, bz = ny * tz - nz * ty, nz * tx - nx * tz, nx * ty - ny * tx
+        ni, no = nx * ix + ny * iy + nz * iz, nx * ox + ny * oy + nz * oz
+        lit = ni * (near * close * close + (ONE - near))
+        toward = max(ZERO, -(lamp[7] * ix + lamp[8] * iy + lamp[9] * iz)) if facing else ONE
+        along[0, j] = lit * toward if ni > ZERO and no > ZERO else ZERO
+        along[1, j], along[2, j] = ni, no
+        along[3, j] = hx * tx + hy * ty + hz * tz
+        along[4, j] = f[10, j] * (hx * bx + hy * by + hz * bz)
+        along[5, j] = min(HALF * math.sqrt(hx * hx + hy * hy + hz * hz), ONE)
 
 
-@njit(cache=True, fastmath={"contract"}, inline="always")
-def _pixel(weights, u, v):  # type: ignore[no-untyped-def]
-    """Return the row and column of the pixel of a map that has a texture coordinate, v up."""
-    rows, columns = weights.shape
-    return min(int((ONE - v) * rows), rows - 1), min(int(u * columns), columns - 1)
-
-
-@njit(cache=True, fastmath={"contract"}, inline="always")
-def _cook_torrance(nh, ni, no, oh, roughness):  # type: ignore[no-untyped-def]
+@njit(cache=True, fastmath={"contract"})
+def _cook_torrance(ni, no, oh, roughness):  # type: ignore[no-untyped-def]
     """Beckmann's distribution and the V-shaped grooves' shadow, over 4 cos cos (Cook and Torrance 1982)."""
+    nh = min(HALF * (ni + no) / oh, ONE)
     c2, m2 = nh * nh, roughness * roughness
     spread = math.exp(-(ONE - c2) / (c2 * m2)) / (np.float32(math.pi) * m2 * c2 * c2)
     shadow = min(ONE, np.float32(2.0) * nh * min(ni, no) / oh)
     return spread * shadow / (np.float32(4.0) * ni * no)
 
 
-@njit(cache=True, parallel=True, fastmath={"contract"})
+@njit(cache=True, fastmath={"contract"})
+def _gain(ht, hb, ni, no, oh, numbers):  # type: ignore[no-untyped-def]
+    """What multiplies a table's value besides F²: its weight, the window, G."""
+    gain = numbers[4]
+    if abs(ht) > numbers[9] or abs(hb) > numbers[9]:
+        return ZERO
+    if numbers[6] + numbers[7] > ZERO:
+        gain *= math.exp(-(numbers[6] * ht * ht + numbers[7] * hb * hb))
+    if numbers[8] > ZERO:
+        gain *= oh * oh * oh * oh / (ni * no)
+    return gain
+
+
+@njit(cache=True, fastmath={"contract"})
+def shade_row(f, count, lamps, tables, warp, regions, mask, numbers, fresnel, drawn):  # type: ignore[no-untyped-def]
+    """Fill drawn (3, columns) with the radiance of the first `count` frames of f (17, columns)."""
+    along, work = np.empty((6, count), np.float32), np.empty((2, count), np.float32)
+    columns, rows = np.empty(count, np.float32), np.empty(count, np.float32)
+    drawn[:, :count] = ZERO
+    last_row, last_column = tables.shape[1] - 2, tables.shape[2] - 2
+    for k in range(lamps.shape[0]):
+        _directions(f, count, lamps[k], along)
+        _places(along[3], ONE, numbers[9], warp, tables.shape[2], work, columns)
+        _places(along[4], -ONE, numbers[9], warp, tables.shape[1], work, rows)
+        for j in range(count):
+            light, ni, no, oh = along[0, j], along[1, j], along[2, j], along[5, j]
+            if light <= ZERO:
+                continue
+            up, right = ONE - f[12, j], f[11, j]
+            strength = mask[
+                min(int(up * mask.shape[0]), mask.shape[0] - 1), min(int(right * mask.shape[1]), mask.shape[1] - 1)
+            ]
+            s = regions[
+                min(int(up * regions.shape[0]), regions.shape[0] - 1),
+                min(int(right * regions.shape[1]), regions.shape[1] - 1),
+            ]
+            lobe = numbers[3] * _cook_torrance(ni, no, oh, numbers[5]) if numbers[3] > ZERO else ZERO
+            gain = strength * _gain(along[3, j], along[4, j], ni, no, oh, numbers)
+            step = oh * np.float32(fresnel.shape[0] - 1)
+            cell = min(int(step), fresnel.shape[0] - 2)
+            step -= np.float32(cell)
+            r, c = min(int(rows[j]), last_row), min(int(columns[j]), last_column)
+            y, x = rows[j] - np.float32(r), columns[j] - np.float32(c)
+            for m in range(3):
+                above = tables[s, r, c, m] + x * (tables[s, r, c + 1, m] - tables[s, r, c, m])
+                below = tables[s, r + 1, c, m] + x * (tables[s, r + 1, c + 1, m] - tables[s, r + 1, c, m])
+                mirror = fresnel[cell, m] + step * (fresnel[cell + 1, m] - fresnel[cell, m])
+                sheet = gain * (above + y * (below - above))
+                drawn[m, j] += light * lamps[k, 4 + m] * (numbers[m] + mirror * (lobe + mirror * sheet))
+
+
+@njit(cache=True, parallel=True)
 def shade(
     frames: NDArray[np.float32],
     lamps: NDArray[np.float32],
     tables: NDArray[np.float32],
-    ranges: NDArray[np.float32],
     warp: int,
     regions: NDArray[np.int32],
     mask: NDArray[np.float32],
@@ -66,74 +147,56 @@ def shade(
     fresnel: NDArray[np.float32],
     out: NDArray[np.float32],
 ) -> None:
-    """Fill out (rows, columns, 4) with the radiance towards the eye and 1 where a surface is.
-
-    Tables are (T, R, C, 3), regions say which of them a texture pixel has, mask how much of it. Numbers are
-    diffuse / π (3), the weights of Cook-Torrance and diffraction, roughness, 1/(2σ²) of the window along
-    tangent and bitangent, and how far G goes from 1 (0) to Stam's ratio (1). Fresnel (K, 3) is over the
-    cosine 0..1 between light and half vector.
-    """
-    count_rows, count_columns = tables.shape[1], tables.shape[2]
-    half_range = ranges[0]
+    """Fill out (rows, columns, 4) from frames (rows, columns, 17): radiance, and 1 where there is a surface."""
+    columns = frames.shape[1]
     for i in prange(frames.shape[0]):
-        for j in range(frames.shape[1]):
-            f = frames[i, j]
-            red = green = blue = ZERO
-            if f[0] > ZERO:
-                nx, ny, nz, tx, ty, tz = f[4], f[5], f[6], f[7], f[8], f[9]
-                sign, ox, oy, oz = f[10], f[13], f[14], f[15]
-                bx, by, bz = sign * (ny * tz - nz * ty), sign * (nz * tx - nx * tz), sign * (nx * ty - ny * tx)
-                no = nx * ox + ny * oy + nz * oz
-                row, column = _pixel(regions, f[11], f[12])
-                sheet = tables[regions[row, column]]
-                row, column = _pixel(mask, f[11], f[12])
-                strength = mask[row, column] * numbers[4]
-                for k in range(lamps.shape[0]):
-                    lamp = lamps[k]
-                    ix, iy, iz = lamp[0] - lamp[3] * f[1], lamp[1] - lamp[3] * f[2], lamp[2] - lamp[3] * f[3]
-                    near = ONE / math.sqrt(ix * ix + iy * iy + iz * iz)
-                    ix, iy, iz = ix * near, iy * near, iz * near
-                    ni = nx * ix + ny * iy + nz * iz
-                    if ni <= ZERO or no <= ZERO:
-                        continue
-                    light = ni * (near * near * lamp[3] + (ONE - lamp[3]))
-                    facing = lamp[7] * lamp[7] + lamp[8] * lamp[8] + lamp[9] * lamp[9]
-                    if facing > ZERO:
-                        light *= max(ZERO, -(lamp[7] * ix + lamp[8] * iy + lamp[9] * iz))
-                    hx, hy, hz = ix + ox, iy + oy, iz + oz
-                    length = math.sqrt(hx * hx + hy * hy + hz * hz)
-                    oh = np.float32(0.5) * length  # the cosine between either direction and the half vector
-                    step = min(oh, ONE) * np.float32(fresnel.shape[0] - 1)
-                    cell = min(int(step), fresnel.shape[0] - 2)
-                    step -= np.float32(cell)
-                    lobe = ZERO
-                    if numbers[3] > ZERO:
-                        nh = (nx * hx + ny * hy + nz * hz) / length
-                        lobe = numbers[3] * _cook_torrance(nh, ni, no, oh, numbers[5])
-                    sx = sy = sz = ZERO
-                    ht, hb = hx * tx + hy * ty + hz * tz, hx * bx + hy * by + hz * bz
-                    if strength > ZERO and abs(ht) <= half_range and abs(hb) <= half_range:
-                        x = _place(ht, half_range, warp, count_columns)
-                        y = _place(-hb, half_range, warp, count_rows)
-                        c, r = min(int(x), count_columns - 2), min(int(y), count_rows - 2)
-                        x, y = x - np.float32(c), y - np.float32(r)
-                        gain = strength
-                        if numbers[6] + numbers[7] > ZERO:
-                            gain *= math.exp(-(numbers[6] * ht * ht + numbers[7] * hb * hb))
-                        if numbers[8] > ZERO:
-                            gain *= oh * oh * oh * oh / (ni * no)
-                        a, b = gain * (ONE - x) * (ONE - y), gain * x * (ONE - y)
-                        d, e = gain * (ONE - x) * y, gain * x * y
-                        p, q = sheet[r], sheet[r + 1]
-                        sx = a * p[c, 0] + b * p[c + 1, 0] + d * q[c, 0] + e * q[c + 1, 0]
-                        sy = a * p[c, 1] + b * p[c + 1, 1] + d * q[c, 1] + e * q[c + 1, 1]
-                        sz = a * p[c, 2] + b * p[c + 1, 2] + d * q[c, 2] + e * q[c + 1, 2]
-                    w = ONE - step
-                    fr = w * fresnel[cell, 0] + step * fresnel[cell + 1, 0]
-                    fg = w * fresnel[cell, 1] + step * fresnel[cell + 1, 1]
-                    fb = w * fresnel[cell, 2] + step * fresnel[cell + 1, 2]
-                    red += light * lamp[4] * (numbers[0] + fr * (lobe + fr * sx))
-                    green += light * lamp[5] * (numbers[1] + fg * (lobe + fg * sy))
-                    blue += light * lamp[6] * (numbers[2] + fb * (lobe + fb * sz))
-            out[i, j, 0], out[i, j, 1], out[i, j, 2] = red, green, blue
-            out[i, j, 3] = ONE if f[0] > ZERO else ZERO
+        found, where = np.empty((WIDTH, columns), np.float32), np.empty(columns, np.int64)
+        drawn = np.empty((3, columns), np.float32)
+        count = 0
+        for j in range(columns):
+            if frames[i, j, 0] > ZERO:
+                where[count] = j
+                for k in range(WIDTH):
+                    found[k, count] = frames[i, j, k]
+                count += 1
+        shade_row(found, count, lamps, tables, warp, regions, mask, numbers, fresnel, drawn)
+        out[i] = ZERO
+        for m in range(count):
+            out[i, where[m], 3] = ONE
+            for k in range(3):
+                out[i, where[m], k] = drawn[k, m]
+
+
+@njit(cache=True, parallel=True)
+def draw(
+    kind: int,
+    shape: NDArray[np.float64],
+    pose: NDArray[np.float64],
+    rays: NDArray[np.float64],
+    samples: int,
+    lamps: NDArray[np.float32],
+    tables: NDArray[np.float32],
+    warp: int,
+    regions: NDArray[np.int32],
+    mask: NDArray[np.float32],
+    numbers: NDArray[np.float32],
+    fresnel: NDArray[np.float32],
+    span: NDArray[np.int64],
+    out: NDArray[np.float32],
+) -> None:
+    """Cast and shade a picture's rows from span[0] to span[1] of out (rows, columns, 4), samples² a pixel."""
+    columns = out.shape[1] * samples
+    share = ONE / np.float32(samples * samples)
+    for i in prange(span[0], span[1]):
+        found, where = np.empty((WIDTH, columns), np.float32), np.empty(columns, np.int64)
+        drawn = np.empty((3, columns), np.float32)
+        out[i] = ZERO
+        for part in range(samples):
+            y = 1.0 - (2.0 * (i * samples + part) + 1.0) / (out.shape[0] * samples)
+            count = cast_row(kind, shape, pose, rays, y, columns, found, where)
+            shade_row(found, count, lamps, tables, warp, regions, mask, numbers, fresnel, drawn)
+            for m in range(count):
+                j = where[m] // samples
+                out[i, j, 3] += share
+                for k in range(3):
+                    out[i, j, k] += share * drawn[k, m]

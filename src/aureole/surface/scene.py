@@ -12,11 +12,11 @@ from aureole.records import Picture, Stage
 from aureole.surface import _kernels_shade
 from aureole.surface.lamps import Lamp, lamp_rows
 from aureole.surface.material import Material, shader_numbers
-from aureole.surface.shapes import Pose, Seen, Shape, see
+from aureole.surface.shapes import Mesh, Pose, Seen, Shape, see, shape_numbers
 from aureole.surface.views import View
 
-# So many samples at a time stay in a core's cache between the two kernels.
-_BAND = 1 << 15
+# Samples between two stages; a mesh keeps a frame for each of them.
+_BAND = 1 << 20
 
 
 class Table(Protocol):
@@ -156,18 +156,7 @@ def shade(prepared: Shader, seen: Seen, lamps: Sequence[Lamp]) -> NDArray[np.flo
         Radiance in the shader's colour space, and 1 where there is a surface.
     """
     out = np.empty((*seen.frames.shape[:2], 4), dtype=np.float32)
-    _kernels_shade.shade(
-        seen.frames,
-        lamp_rows(tuple(lamps)),
-        prepared.tables,
-        np.array([prepared.half_range], dtype=np.float32),
-        prepared.warp,
-        prepared.regions,
-        prepared.mask,
-        prepared.numbers,
-        prepared.fresnel,
-        out,
-    )
+    _kernels_shade.shade(seen.frames, *_arrays(prepared, lamps), out)
     return out
 
 
@@ -245,14 +234,44 @@ def render_stages(
     step = max(1, _BAND // (columns * count * count))
     for first in range(0, rows, step):
         last = min(rows, first + step)
-        seen = see(shape, scene.view, scene.pose, count, (first * count, last * count))
-        drawn = shade(prepared, seen, scene.lamps)
-        if count > 1:
-            drawn = drawn.reshape(last - first, count, columns, count, 4).mean(axis=(1, 3))
-        pixels[first:last] = drawn
+        _draw(scene, prepared, shape, count, (first, last), pixels)
         if last < rows:
             yield Stage(last / rows, "rendering")
     yield Stage(1.0, "rendered", Picture(pixels, prepared.colour_space))
+
+
+def _draw(
+    scene: Scene,
+    prepared: Shader,
+    shape: Shape,
+    samples: int,
+    span: tuple[int, int],
+    pixels: NDArray[np.float32],
+) -> None:
+    """Fill some rows of a picture: at once where rays are cast, by way of frames where a mesh is drawn."""
+    first, last = span
+    if not isinstance(shape, Mesh):
+        parts = shape_numbers(shape, scene.pose, scene.view)
+        arrays = _arrays(prepared, scene.lamps)
+        _kernels_shade.draw(*parts, samples, *arrays, np.array(span, dtype=np.int64), pixels)
+        return
+    seen = see(shape, scene.view, scene.pose, samples, (first * samples, last * samples))
+    drawn = shade(prepared, seen, scene.lamps)
+    pixels[first:last] = drawn.reshape(last - first, samples, -1, samples, 4).mean(axis=(1, 3))
+
+
+def _arrays(prepared: Shader, lamps: Sequence[Lamp]) -> tuple[Any, ...]:
+    """What both kernels take, in their order."""
+    numbers = np.append(prepared.numbers, np.float32(prepared.half_range))
+    return (
+        lamp_rows(tuple(lamps)),
+        prepared.tables,
+        prepared.warp,
+        prepared.regions,
+        prepared.mask,
+        numbers,
+        prepared.fresnel,
+    )
 
 
 def _refuse_tables(tables: list[Any]) -> None:

@@ -239,9 +239,42 @@ def see(
     if isinstance(shape, Mesh):
         _see_mesh(shape, place, sight, view.perspective, bounds, frames)
     else:
-        kind, numbers = _numbers(shape)
-        _kernels_cast.cast(kind, numbers, place, sight, view.perspective, bounds, frames)
+        _kernels_cast.cast(*shape_numbers(shape, where, view), bounds, frames)
     return Seen(frames)
+
+
+def shape_numbers(
+    shape: Plane | Disc | Cylinder, pose: Pose, view: View
+) -> tuple[int, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Check a shape and write it, its pose and the view's rays as the kernels' numbers.
+
+    Parameters
+    ----------
+    shape : Plane, Disc or Cylinder
+        The shape.
+    pose : Pose
+        Where it is.
+    view : View
+        The view.
+
+    Returns
+    -------
+    kind : int
+        Which shape.
+    numbers : ndarray of float64, shape (4,)
+        Its lengths in metres and angles in radians.
+    pose : ndarray of float64, shape (4, 3)
+        Its axes and its place.
+    rays : ndarray of float64, shape (6, 3)
+        Origin and direction of the middle ray, and what x and y add to each.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a length is not positive.
+    """
+    kind, numbers = _numbers(shape)
+    return kind, numbers, np.vstack([pose.axes, pose.place[None]]), _rays(view)
 
 
 def _numbers(shape: Plane | Disc | Cylinder) -> tuple[int, NDArray[np.float64]]:
@@ -259,6 +292,14 @@ def _numbers(shape: Plane | Disc | Cylinder) -> tuple[int, NDArray[np.float64]]:
             sweep = refuse.between("sweep", shape.sweep, 1e-6, 2.0 * np.pi)
             kind, numbers = _kernels_cast.CYLINDER, [radius, height, sweep, 0.0]
     return kind, np.array(numbers)
+
+
+def _rays(view: View) -> NDArray[np.float64]:
+    """Write a view as origin and direction of its middle ray, and what x and y add to each."""
+    still = np.zeros((2, 3))
+    aside = np.vstack([view.right, view.up])
+    both = [still, aside] if view.perspective else [aside, still]
+    return np.vstack([view.eye, view.forward, *both])
 
 
 def _see_mesh(
