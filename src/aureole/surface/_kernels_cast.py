@@ -108,13 +108,12 @@ def cast(
     size: NDArray[np.int64],
     frames: NDArray[np.float32],
 ) -> None:
-    """Fill frames (rows, columns, 17) for the rows of samples from `size[2]` on of a view of size[:2] samples."""
+    """Fill zeroed frames (rows, columns, 17) for the rows from `size[2]` on of a view of size[:2] samples."""
     rows, columns, first = size[0], size[1], size[2]
     for i in prange(frames.shape[0]):
         found, where = np.empty((WIDTH, columns), np.float32), np.empty(columns, np.int64)
         y = 1.0 - (2.0 * (i + first) + 1.0) / rows
         count = cast_row(kind, numbers, pose, rays, y, columns, found, where)
-        frames[i, :, 0] = np.float32(0.0)
         for m in range(count):
             for k in range(WIDTH):
                 frames[i, where[m], k] = found[k, m]

@@ -58,9 +58,8 @@ def _edges(a, b, c, y, e):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True)
-def _draw_row(corner, y, columns, number, nearest, found):  # type: ignore[no-untyped-def]
+def _draw_row(corner, y, columns, number, e, nearest, found):  # type: ignore[no-untyped-def]
     """Write a triangle's number and corner weights wherever it is the nearest so far along a row."""
-    e = np.empty((3, 2))
     _edges(corner[0], corner[1], corner[2], y, e)
     # Where all three functions have one sign: between the crossings of each.
     for sign in (1.0, -1.0):
@@ -129,7 +128,7 @@ def raster(
     size: NDArray[np.int64],
     frames: NDArray[np.float32],
 ) -> None:
-    """Fill frames (rows, columns, 17) for the rows of samples from `size[2]` on.
+    """Fill zeroed frames (rows, columns, 17) for the rows of samples from `size[2]` on.
 
     Attributes (V, 12) are place, normal, tangent, sign of the bitangent, texture coordinates.
     """
@@ -143,7 +142,7 @@ def raster(
         top, bottom = begin + band * _BAND, begin + min(count, (band + 1) * _BAND)
         nearest = np.full((_BAND, columns), np.inf)
         found = np.empty((_BAND, columns, 4))
-        corner, scratch = np.empty((3, 4)), np.empty(17)
+        corner, scratch, edges = np.empty((3, 4)), np.empty(17), np.empty((3, 2))
         for t in range(triangles.shape[0]):
             first, last = max(top, spans[t, 0]), min(bottom, spans[t, 1])
             if first >= last:
@@ -152,11 +151,10 @@ def raster(
                 corner[k] = corners[triangles[t, k]]
             for i in range(first, last):
                 y = 1.0 - (2.0 * i + 1.0) / rows
-                _draw_row(corner, y, columns, t, nearest[i - top], found[i - top])
+                _draw_row(corner, y, columns, t, edges, nearest[i - top], found[i - top])
         for i in range(top, bottom):
             for j in range(columns):
                 frame = frames[i - begin, j]
-                frame[0] = 0.0
                 if nearest[i - top, j] < np.inf:
                     weights = found[i - top, j]
                     _frame(triangles[int(weights[0])], weights, attributes, sight, perspective, scratch)

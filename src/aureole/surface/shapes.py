@@ -115,7 +115,7 @@ class Seen:
     Parameters
     ----------
     frames : ndarray of float32, shape (rows, columns, 17)
-        0 whether there is a surface, 1-3 place, 4-6 normal, 7-9 tangent, 10 sign of the bitangent,
+        0 whether there is a surface (all are 0 where not), 1-3 place, 4-6 normal, 7-9 tangent, 10 sign of the bitangent,
         11-12 texture coordinates, 13-15 unit vector to the eye, 16 depth along the line of sight in metres.
     """
 
@@ -234,7 +234,7 @@ def see(
     where = Pose() if pose is None else pose
     place = np.vstack([where.axes, where.place[None]])
     sight = np.vstack([view.eye, view.right, view.up, view.forward])
-    frames = np.empty((last - first, size[1], _kernels_cast.WIDTH), dtype=np.float32)
+    frames = np.zeros((last - first, size[1], _kernels_cast.WIDTH), dtype=np.float32)
     bounds = np.array([*size, first], dtype=np.int64)
     if isinstance(shape, Mesh):
         _see_mesh(shape, place, sight, view.perspective, bounds, frames)
