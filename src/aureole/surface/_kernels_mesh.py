@@ -36,7 +36,7 @@ def _rows_of(triangles, corners, rows, spans):  # type: ignore[no-untyped-def]
     for t in range(triangles.shape[0]):
         low, high, behind = math.inf, -math.inf, 0
         for k in range(3):
-            x, y, w, z = corners[triangles[t, k]]
+            _, y, w, z = corners[triangles[t, k]]
             behind += z <= 0.0
             if w > 0.0:
                 low, high = min(low, y / w), max(high, y / w)
@@ -44,8 +44,8 @@ def _rows_of(triangles, corners, rows, spans):  # type: ignore[no-untyped-def]
                 low, high = -math.inf, math.inf
         first, last = 0, rows
         if high < math.inf:
-            first = max(0, int(math.floor(min(max(0.5 * (1.0 - high), 0.0), 1.0) * rows)))
-            last = min(rows, int(math.ceil(min(max(0.5 * (1.0 - low), 0.0), 1.0) * rows)) + 1)
+            first = max(0, math.floor(min(max(0.5 * (1.0 - high), 0.0), 1.0) * rows))
+            last = min(rows, math.ceil(min(max(0.5 * (1.0 - low), 0.0), 1.0) * rows) + 1)
         spans[t, 0], spans[t, 1] = first, 0 if behind == 3 else last
 
 
@@ -74,8 +74,8 @@ def _draw_row(corner, y, columns, number, e, nearest, found):  # type: ignore[no
                 high = -2.0
         if low > high:
             continue
-        first = max(0, int(math.ceil(0.5 * (low + 1.0) * columns - 0.5)))
-        last = min(columns - 1, int(math.floor(0.5 * (high + 1.0) * columns - 0.5)))
+        first = max(0, math.ceil(0.5 * (low + 1.0) * columns - 0.5))
+        last = min(columns - 1, math.floor(0.5 * (high + 1.0) * columns - 0.5))
         for j in range(first, last + 1):
             x = (2.0 * j + 1.0) / columns - 1.0
             f0, f1, f2 = e[0, 0] * x + e[0, 1], e[1, 0] * x + e[1, 1], e[2, 0] * x + e[2, 1]

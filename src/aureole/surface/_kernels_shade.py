@@ -114,7 +114,8 @@ def shade_row(f, count, lamps, tables, warp, regions, mask, numbers, fresnel, dr
                 continue
             up, right = ONE - f[12, j], f[11, j]
             strength = mask[
-                min(int(up * mask.shape[0]), mask.shape[0] - 1), min(int(right * mask.shape[1]), mask.shape[1] - 1)
+                min(int(up * mask.shape[0]), mask.shape[0] - 1),
+                min(int(right * mask.shape[1]), mask.shape[1] - 1),
             ]
             s = regions[
                 min(int(up * regions.shape[0]), regions.shape[0] - 1),

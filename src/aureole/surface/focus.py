@@ -13,9 +13,7 @@ from aureole.picture import convolve
 from aureole.surface.views import View
 
 
-def circle_of_confusion(
-    depth: ArrayLike, focus: float, aperture: float, view: View
-) -> NDArray[np.float64]:
+def circle_of_confusion(depth: ArrayLike, focus: float, aperture: float, view: View) -> NDArray[np.float64]:
     """Return the diameters of the discs that points out of focus become.
 
     Parameters
