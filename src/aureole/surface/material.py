@@ -13,7 +13,9 @@ _COSINES = 1025
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """The numbers of f_r = diffuse / π + specular · Cook-Torrance + 4π² F² G S_d(h) (surface paper, Eq. 7, 10).
+    """The numbers of f_r = diffuse / π + specular · Cook-Torrance + 4π² F² G S_d(h).
+
+    These are Equations 7 and 10 of the surface paper (Toisoul and Ghosh 2017).
 
     Parameters
     ----------

@@ -89,7 +89,7 @@ def mesh_of(
     points = np.array(refuse.all_finite("vertices", refuse.shape_of("vertices", vertices, (None, 3))), float)
     corners = _corners(triangles, len(points))
     if normals is None:
-        upright = _normals(points, corners)
+        upright: NDArray[np.float64] = _normals(points, corners)
     else:
         upright = refuse.all_finite("normals", refuse.shape_of("normals", normals, points.shape))
         upright = _unit(upright.astype(float), (0.0, 0.0, 1.0))
@@ -119,13 +119,13 @@ def _corners(triangles: ArrayLike, count: int) -> NDArray[np.int64]:
     return np.ascontiguousarray(found, dtype=np.int64)
 
 
-def _sides(values: NDArray[np.floating], corners: NDArray[np.int64]) -> tuple[NDArray[np.floating], ...]:
+def _sides(values: NDArray[np.float64], corners: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:
     """Return what two sides of each triangle add to a value of its corners."""
     first = values[corners[:, 0]]
     return values[corners[:, 1]] - first, values[corners[:, 2]] - first
 
 
-def _gather(count: int, corners: NDArray[np.int64], values: NDArray[np.floating]) -> NDArray[np.floating]:
+def _gather(count: int, corners: NDArray[np.int64], values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Add each triangle's value to its corners."""
     total = np.zeros((count, *values.shape[1:]))
     for k in range(3):
@@ -133,17 +133,17 @@ def _gather(count: int, corners: NDArray[np.int64], values: NDArray[np.floating]
     return total
 
 
-def _normals(points: NDArray[np.floating], corners: NDArray[np.int64]) -> NDArray[np.floating]:
+def _normals(points: NDArray[np.float64], corners: NDArray[np.int64]) -> NDArray[np.float64]:
     one, other = _sides(points, corners)
     return _unit(_gather(len(points), corners, np.cross(one, other)), (0.0, 0.0, 1.0))
 
 
 def _tangents(
-    points: NDArray[np.floating],
+    points: NDArray[np.float64],
     corners: NDArray[np.int64],
-    normals: NDArray[np.floating],
-    texture: NDArray[np.floating],
-) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    normals: NDArray[np.float64],
+    texture: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return where u grows at each corner, and whether v grows along normal × tangent or against it."""
     one, other = _sides(points, corners)
     flat_one, flat_other = _sides(texture, corners)
@@ -157,6 +157,7 @@ def _tangents(
     return tangents, signs
 
 
-def _unit(vectors: NDArray[np.floating], otherwise: ArrayLike) -> NDArray[np.floating]:
+def _unit(vectors: NDArray[np.float64], otherwise: ArrayLike) -> NDArray[np.float64]:
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.where(lengths > 0, vectors / np.where(lengths > 0, lengths, 1.0), np.asarray(otherwise))
+    found = np.where(lengths > 0, vectors / np.where(lengths > 0, lengths, 1.0), np.asarray(otherwise))
+    return np.asarray(found, dtype=np.float64)

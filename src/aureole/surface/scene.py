@@ -25,7 +25,7 @@ class Table(Protocol):
     values: NDArray[np.float32]
     half_range: float
     warp: int
-    white: NDArray[np.float64]
+    white: Any
 
 
 @dataclass(frozen=True, eq=False)
