@@ -156,7 +156,8 @@ def shade(prepared: Shader, seen: Seen, lamps: Sequence[Lamp]) -> NDArray[np.flo
         Radiance in the shader's colour space, and 1 where there is a surface.
     """
     out = np.empty((*seen.frames.shape[:2], 4), dtype=np.float32)
-    _kernels_shade.shade(seen.frames, *_arrays(prepared, lamps), out)
+    given: tuple[Any, ...] = (seen.frames, *_arrays(prepared, lamps), out)
+    _kernels_shade.shade(*given)
     return out
 
 
@@ -253,7 +254,8 @@ def _draw(
     if not isinstance(shape, Mesh):
         parts = shape_numbers(shape, scene.pose, scene.view)
         arrays = _arrays(prepared, scene.lamps)
-        _kernels_shade.draw(*parts, samples, *arrays, np.array(span, dtype=np.int64), pixels)
+        given: tuple[Any, ...] = (*parts, samples, *arrays, np.array(span, dtype=np.int64), pixels)
+        _kernels_shade.draw(*given)
         return
     seen = see(shape, scene.view, scene.pose, samples, (first * samples, last * samples))
     drawn = shade(prepared, seen, scene.lamps)

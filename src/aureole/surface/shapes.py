@@ -116,7 +116,8 @@ class Seen:
     ----------
     frames : ndarray of float32, shape (rows, columns, 17)
         0 whether there is a surface (all are 0 where not), 1-3 place, 4-6 normal, 7-9 tangent, 10 sign of
-        the bitangent, 11-12 texture coordinates, 13-15 unit vector to the eye, 16 depth along the line of sight in metres.
+        the bitangent, 11-12 texture coordinates, 13-15 unit vector to the eye, 16 depth along the
+        line of sight in metres.
     """
 
     frames: NDArray[np.float32]
