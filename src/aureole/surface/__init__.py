@@ -4,13 +4,17 @@ In comes a `DiffractionPattern` at one wavelength (or several, or a formula); ou
 h = ω_i + ω_o for a whole light, which the renderers read. f_r = diffuse + specular + 4π² F² G S_d(h), with
 G = 1 at normal incidence (Stam's own G is 4 there).
 
+The table:
 - `pattern.py`: a pattern at one wavelength, 1/sr over h.
 - `table.py`: the table, its warped axes, look-up at any h, RGB.
 - `integrate.py`: from patterns to a table, all wavelengths of a light; METHODS.
 - `function.py`: from a formula to a table, sharp orders averaged over cells.
 - `albedo.py`: how much light a table sends back, and tables that send back no more than came.
+- `resampling.py`: a table on even steps of h, and back.
 - `pfm.py`: portable float maps.
 - `table_files.py`: tables as EXR, PFM and NPZ with a JSON sidecar.
+
+Measured:
 - `geometry.py`: from a photograph's pixels to h, by where camera and lamp stand.
 - `hdr_merge.py`: black level, and one linear photograph from a bracket.
 - `centre.py`: the zero order's place in a photograph, to a fraction of a pixel.
@@ -18,20 +22,100 @@ G = 1 at normal incidence (Stam's own G is 4 there).
 - `zero_order.py`: the zero order told apart from the rest of a pattern.
 - `measure.py`: from photographs to a pattern, and to a table.
 - `virtual.py`: photographs that a camera would take of a surface whose diffraction is known.
+- `bokeh.py`: from a photograph of an out-of-focus highlight to heights, as far as the lens can see.
+
+From formulas and heights:
+- `slits.py`: lines in one direction: slits, grooves, blazed facets; exact means over intervals of h.
+- `gratings.py`: `Grating` from lines: discs, displays, blazed, crossed, radial; where orders go.
+- `grating_tables.py`: from a grating to a table.
+- `height.py`: what a height field sends where, at one wavelength; how wrong a series is.
+- `height_tables.py`: from a height field to a table, or to Dhillon's tables of a Taylor series.
+
+Drawn:
+- `views.py`: where a picture is taken from.
+- `shapes.py`: plane, disc, cylinder, mesh; in: a shape and a view, out: `Seen`, a frame for each sample.
+- `meshes.py`: in: an OBJ or PLY file, or arrays, out: a `Mesh` with a tangent at each corner.
+- `lamps.py`: near and distant lamps, areas.
+- `material.py`: diffuse and mirror-like parts, Fresnel's factor, the window over a table.
+- `scene.py`: `render`: lamps, view, material, table and shape in, a `Picture` out.
+- `focus.py`: depth of field: a picture's layers blurred by their depths.
+- `environment.py`: light from all around on a flat sample, towards all views by one correlation.
+- `quadrature.py`: the same summed direction by direction: the reference.
+- `prefilter.py`: the same by the surface paper's reflection map, for comparison.
+- `rooms.py`: a room with lamps and windows, made by code.
+- `complex_lights.py`: a lamp's shape from its mirror image, and the table of the whole lamp.
+- `_kernels*.py`: the heavy loops.
+
+Elsewhere:
+- `export_web.py`: a table as one HTML page (WebGL 2), as a GLSL function, as extras of a glTF material.
+- `mitsuba.py`: a table as a BSDF of Mitsuba 3, where that is installed.
 """
 
 from aureole.surface.albedo import albedo, albedo_bound, normalised
 from aureole.surface.bandwidth import sharpen, smeared
+from aureole.surface.bokeh import (
+    abbe_limit,
+    abbe_note,
+    bokeh_profile,
+    count_lines,
+    fit_heights,
+    pixel_pitch,
+    richardson_lucy,
+)
 from aureole.surface.centre import Centre, find_centre
+from aureole.surface.complex_lights import LampShape, convolved, lamp_from_reflection
+from aureole.surface.environment import (
+    Environment,
+    EnvironmentReflection,
+    HemisphereMap,
+    ReflectedLight,
+    environment_from_picture,
+    frame_of,
+    hemisphere,
+    reflect,
+)
+from aureole.surface.export_web import WebView, gltf_extras, write_glsl, write_gltf, write_page
+from aureole.surface.focus import circle_of_confusion, defocus
 from aureole.surface.function import table_from_function, table_from_function_stages
 from aureole.surface.geometry import BenchGeometry, UniformGeometry
+from aureole.surface.grating_tables import table_from_grating, table_from_grating_stages
+from aureole.surface.gratings import (
+    Grating,
+    blazed_grating,
+    crossed_grating,
+    display_grating,
+    grating,
+    groove_grating,
+    littrow_angle,
+    multislit_grating,
+    orders,
+    radial_grating,
+)
 from aureole.surface.hdr_merge import Merged, estimate_black, merge
+from aureole.surface.height import HeightField, height_field, taylor_error, taylor_order
+from aureole.surface.height_tables import (
+    TaylorTables,
+    height_pattern,
+    table_from_height,
+    table_from_height_stages,
+    taylor_tables,
+)
 from aureole.surface.integrate import METHODS, table_from_pattern, table_from_pattern_stages
+from aureole.surface.lamps import Lamp, area_lamp, distant_lamp, point_lamp
+from aureole.surface.material import Material, conductor, schlick
 from aureole.surface.measure import measure_pattern, table_from_photo
+from aureole.surface.meshes import mesh_of, read_mesh
 from aureole.surface.pattern import DiffractionPattern, diffraction_pattern, on_grid
 from aureole.surface.pfm import read_pfm, write_pfm
+from aureole.surface.prefilter import prefiltered
+from aureole.surface.quadrature import Quadrature, quadrature
+from aureole.surface.rooms import lamps_and_windows
+from aureole.surface.scene import Scene, Shader, render, render_stages, shade, shader
+from aureole.surface.shapes import Cylinder, Disc, Mesh, Plane, Pose, Seen, pose_of, see
+from aureole.surface.slits import Lines, multislit
 from aureole.surface.table import MODELS, ScatterTable, lookup, rgb, scatter_table
 from aureole.surface.table_files import read_table, sidecar_of, write_table
+from aureole.surface.views import View, view_from
 from aureole.surface.virtual import VirtualCamera, lcd_screen, photograph
 from aureole.surface.zero_order import ZeroOrder, split_zero_order
 
@@ -40,37 +124,114 @@ __all__ = [
     "MODELS",
     "BenchGeometry",
     "Centre",
+    "Cylinder",
     "DiffractionPattern",
+    "Disc",
+    "Environment",
+    "EnvironmentReflection",
+    "Grating",
+    "HeightField",
+    "HemisphereMap",
+    "Lamp",
+    "LampShape",
+    "Lines",
+    "Material",
     "Merged",
+    "Mesh",
+    "Plane",
+    "Pose",
+    "Quadrature",
+    "ReflectedLight",
     "ScatterTable",
+    "Scene",
+    "Seen",
+    "Shader",
+    "TaylorTables",
     "UniformGeometry",
+    "View",
     "VirtualCamera",
+    "WebView",
     "ZeroOrder",
+    "abbe_limit",
+    "abbe_note",
     "albedo",
     "albedo_bound",
+    "area_lamp",
+    "blazed_grating",
+    "bokeh_profile",
+    "circle_of_confusion",
+    "conductor",
+    "convolved",
+    "count_lines",
+    "crossed_grating",
+    "defocus",
     "diffraction_pattern",
+    "display_grating",
+    "distant_lamp",
+    "environment_from_picture",
     "estimate_black",
     "find_centre",
+    "fit_heights",
+    "frame_of",
+    "gltf_extras",
+    "grating",
+    "groove_grating",
+    "height_field",
+    "height_pattern",
+    "hemisphere",
+    "lamp_from_reflection",
+    "lamps_and_windows",
     "lcd_screen",
+    "littrow_angle",
     "lookup",
     "measure_pattern",
     "merge",
+    "mesh_of",
+    "multislit",
+    "multislit_grating",
     "normalised",
     "on_grid",
+    "orders",
     "photograph",
+    "pixel_pitch",
+    "point_lamp",
+    "pose_of",
+    "prefiltered",
+    "quadrature",
+    "radial_grating",
+    "read_mesh",
     "read_pfm",
     "read_table",
+    "reflect",
+    "render",
+    "render_stages",
     "rgb",
+    "richardson_lucy",
     "scatter_table",
+    "schlick",
+    "see",
+    "shade",
+    "shader",
     "sharpen",
     "sidecar_of",
     "smeared",
     "split_zero_order",
     "table_from_function",
     "table_from_function_stages",
+    "table_from_grating",
+    "table_from_grating_stages",
+    "table_from_height",
+    "table_from_height_stages",
     "table_from_pattern",
     "table_from_pattern_stages",
     "table_from_photo",
+    "taylor_error",
+    "taylor_order",
+    "taylor_tables",
+    "view_from",
+    "write_glsl",
+    "write_gltf",
+    "write_page",
     "write_pfm",
     "write_table",
 ]
