@@ -142,11 +142,11 @@ def sharpen(
     # What is far below the pattern's least light cannot change, so that a zero divides nothing.
     floor = np.float32(1e-9 * top)
     seen = np.maximum(adjoint(np.ones_like(measured)), np.float32(1e-3))
-    estimate: Plane = np.maximum(measured, floor)
+    estimate = np.maximum(measured, floor).astype(np.float32)
     for _ in range(iterations):
-        ratio: Plane = measured / np.maximum(forward(estimate), floor)
-        estimate = np.maximum(estimate * adjoint(ratio) / seen, floor)
-    return replace(pattern, values=estimate.astype(np.float32))
+        ratio: Plane = np.asarray(measured / np.maximum(forward(estimate), floor), dtype=np.float32)
+        estimate = np.maximum(estimate * adjoint(ratio) / seen, floor).astype(np.float32)
+    return replace(pattern, values=estimate)
 
 
 def _operators(

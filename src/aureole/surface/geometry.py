@@ -7,7 +7,6 @@ pixel's ray to the sample; the lamp stands where the sample's mirror shows it at
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,31 +19,6 @@ Place = tuple[float, float]
 STEEPEST = math.radians(80.0)
 _KNOTS = 65  # of the map from h to pixels, along each axis
 _NEWTON_STEPS = 8
-
-
-class Geometry(Protocol):
-    """What turns pixels into h."""
-
-    def h_of(
-        self, rows: Numbers, columns: Numbers, centre: Place, shape: tuple[int, int]
-    ) -> tuple[Numbers, Numbers, Numbers]:
-        """Return h · t, h · b and the irradiance relative to the zero order's, at pixels.
-
-        Parameters
-        ----------
-        rows, columns : ndarray of float64
-            Pixels, broadcast against each other; whole numbers are pixels' centres.
-        centre : tuple of float
-            The zero order's (row, column).
-        shape : tuple of int
-            (rows, columns) of the photograph.
-
-        Returns
-        -------
-        h_t, h_b, irradiance : ndarray of float64
-            Of one shape.
-        """
-        ...
 
 
 @dataclass(frozen=True)
@@ -195,6 +169,10 @@ class BenchGeometry:
         distance = refuse.positive("lamp_distance", self.lamp_distance)
         path = start + distance * towards - points
         return _unit(path), distance**2 / np.sum(path**2, axis=-1)
+
+
+# What turns pixels into h.
+Geometry = BenchGeometry | UniformGeometry
 
 
 def pixels_at(

@@ -274,10 +274,12 @@ def taylor_tables(
 
     Parameters
     ----------
-    heights, pixel, spectrum, size, half_range, warp, wavelengths, coherence : see there
+    heights, pixel : see there
         As for `table_from_height`.
     order : int
         N, the last power of the series.
+    spectrum, size, half_range, warp, wavelengths, coherence : see there
+        As for `table_from_height`.
 
     Returns
     -------

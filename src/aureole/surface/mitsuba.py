@@ -7,6 +7,7 @@ that fails.
 
 import functools
 import glob
+import importlib
 import itertools
 import os
 import subprocess
@@ -199,28 +200,77 @@ def _stretch(length: int, warp: int) -> NDArray[np.float64]:
     return np.asarray(np.diff(np.sign(edges) * np.abs(edges) ** warp) / np.diff(edges))
 
 
+class _Reflectance:
+    """What a plugin knows of its table, in the arrays of the variant that is set."""
+
+    def __init__(self, mitsuba: Any, properties: Any) -> None:
+        self.mitsuba, self.dr = mitsuba, importlib.import_module("drjit")
+        table = _tables[int(properties["table"])]
+        self.weight = 4.0 * np.pi**2 * float(properties["diffraction"])
+        self.f0, self.diffuse = (
+            mitsuba.Color3f(*(float(properties[f"{name}_{channel}"]) for channel in "rgb"))
+            for name in ("f0", "diffuse")
+        )
+        self.half_range, self.warp = float(table.half_range), int(table.warp)
+        colours = np.ascontiguousarray(rgb(table)[::-1])
+        self.size = mitsuba.Vector2f(colours.shape[1], colours.shape[0])
+        dr = self.dr
+        self.texture = mitsuba.Texture2f(
+            mitsuba.TensorXf(colours), wrap_mode=dr.WrapMode.Clamp, filter_mode=dr.FilterMode.Linear
+        )
+        self.lobe = mitsuba.MarginalContinuous2D0(sampling_density(table))
+
+    def place_of(self, h: Any) -> Any:
+        """Find h on the unit square: u from -1 to 1 put to 0..1."""
+        dr = self.dr
+        u = dr.power(dr.abs(h) / self.half_range, 1.0 / self.warp)
+        return 0.5 + 0.5 * self.mitsuba.Point2f(dr.mulsign(u.x, h.x), dr.mulsign(u.y, h.y))
+
+    def drawn(self, wi: Any, sample: Any) -> tuple[Any, Any]:
+        """Draw h by the table: the direction it goes to, and whether that is above the surface."""
+        dr, place = self.dr, self.lobe.sample(sample)[0]
+        u = 2.0 * place - 1.0
+        h = self.half_range * dr.power(dr.abs(u), self.warp)
+        x, y = dr.mulsign(h.x, u.x) - wi.x, dr.mulsign(h.y, u.y) - wi.y
+        rest = 1.0 - x * x - y * y
+        return self.mitsuba.Vector3f(x, y, dr.safe_sqrt(rest)), rest > 0.0
+
+    def reflected(self, wi: Any, wo: Any) -> Any:
+        """Return f_r cos."""
+        dr, sum_ = self.dr, wi + wo
+        h = self.mitsuba.Point2f(sum_.x, sum_.y)
+        inside = (dr.abs(h.x) <= self.half_range) & (dr.abs(h.y) <= self.half_range)
+        # The table's outer samples lie on its border, a texture's half a sample within it.
+        place = (self.place_of(h) * (self.size - 1.0) + 0.5) / self.size
+        colour = self.mitsuba.Color3f(*self.texture.eval(place))
+        cosine = dr.clip(0.5 * dr.norm(sum_), 0.0, 1.0)
+        fresnel = self.f0 + (1.0 - self.f0) * dr.power(1.0 - cosine, 5)
+        scattered = dr.select(inside, self.weight * fresnel * fresnel * colour, 0.0)
+        return (self.diffuse * dr.inv_pi + scattered) * wo.z
+
+    def density(self, wi: Any, wo: Any) -> Any:
+        """Density over solid angle: over u, times du/dh of both axes, times cos (ds = cos dω)."""
+        dr, sum_ = self.dr, wi + wo
+        h = self.mitsuba.Point2f(sum_.x, sum_.y)
+        inside = (dr.abs(h.x) <= self.half_range) & (dr.abs(h.y) <= self.half_range)
+        place = self.place_of(h)
+        u = 2.0 * place - 1.0
+        stretch = 2.0 * self.half_range * self.warp * dr.power(dr.abs(u), self.warp - 1)
+        area = dr.maximum(stretch.x, 1e-12) * dr.maximum(stretch.y, 1e-12)
+        by_table = dr.select(inside, self.lobe.eval(place) / area, 0.0)
+        return wo.z * ((1.0 - _COSINE_SHARE) * by_table + _COSINE_SHARE * dr.inv_pi)
+
+
 def _register(mitsuba: Any) -> None:
     """Define the BSDF for the variant that is set: its base class is another in each."""
-    import drjit as dr
+    dr = importlib.import_module("drjit")
 
     class SurfaceBSDF(mitsuba.BSDF):  # type: ignore[misc]
         """f_r = diffuse / π + 4π² F² S_d(h), sampled by the table and a cosine lobe."""
 
         def __init__(self, properties: Any) -> None:
             super().__init__(properties)
-            table = _tables[int(properties["table"])]
-            self.weight = 4.0 * np.pi**2 * float(properties["diffraction"])
-            self.f0, self.diffuse = (
-                mitsuba.Color3f(*(float(properties[f"{name}_{channel}"]) for channel in "rgb"))
-                for name in ("f0", "diffuse")
-            )
-            self.half_range, self.warp = float(table.half_range), int(table.warp)
-            colours = np.ascontiguousarray(rgb(table)[::-1])
-            self.size = mitsuba.Vector2f(colours.shape[1], colours.shape[0])
-            self.texture = mitsuba.Texture2f(
-                mitsuba.TensorXf(colours), wrap_mode=dr.WrapMode.Clamp, filter_mode=dr.FilterMode.Linear
-            )
-            self.lobe = mitsuba.MarginalContinuous2D0(sampling_density(table))
+            self.of = _Reflectance(mitsuba, properties)
             flags = mitsuba.BSDFFlags
             flag = flags.GlossyReflection | flags.FrontSide | flags.BackSide | flags.Anisotropic
             self.m_components, self.m_flags = [flag], flag
@@ -230,86 +280,40 @@ def _register(mitsuba: Any) -> None:
 
         def sample(self, context: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
             """Draw a direction; its weight is f_r cos / p."""
-            flip = mitsuba.Float(dr.sign(si.wi.z))
             wi = mitsuba.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
-            place, _ = self.lobe.sample(sample2)
-            h = self._h_of(place)
-            x, y = h.x - wi.x, h.y - wi.y
-            rest = 1.0 - x * x - y * y
             by_table = sample1 >= _COSINE_SHARE
-            scattered = mitsuba.Vector3f(x, y, dr.safe_sqrt(rest))
+            scattered, above = self.of.drawn(wi, sample2)
             wo = dr.select(by_table, scattered, mitsuba.warp.square_to_cosine_hemisphere(sample2))
-            active &= (wi.z > 0.0) & (wo.z > 0.0) & (~by_table | (rest > 0.0))
-            density = dr.select(active, self._density(wi, wo), 0.0)
+            active &= (wi.z > 0.0) & (wo.z > 0.0) & (~by_table | above)
+            density = dr.select(active, self.of.density(wi, wo), 0.0)
             found = dr.zeros(mitsuba.BSDFSample3f)
-            found.wo = mitsuba.Vector3f(wo.x, wo.y, wo.z * flip)
+            found.wo = mitsuba.Vector3f(wo.x, wo.y, wo.z * mitsuba.Float(dr.sign(si.wi.z)))
             found.pdf = density
             found.eta = 1.0
             found.sampled_type = mitsuba.UInt32(+self.m_flags)
             found.sampled_component = 0
             active &= density > 0.0
-            weight = self._reflected(wi, wo) / density
-            return found, dr.select(active, weight, 0.0)
+            return found, dr.select(active, self.of.reflected(wi, wo) / density, 0.0)
 
         def eval(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
             """Return f_r cos."""
-            wi, out, active = self._same_side(si, wo, active)
-            return dr.select(active, self._reflected(wi, out), 0.0)
+            return self.eval_pdf(context, si, wo, active)[0]
 
         def pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
             """Return the density of `sample` over solid angle."""
-            wi, out, active = self._same_side(si, wo, active)
-            return dr.select(active, self._density(wi, out), 0.0)
+            return self.eval_pdf(context, si, wo, active)[1]
 
         def eval_pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            """Return both at once."""
-            wi, out, active = self._same_side(si, wo, active)
-            value = dr.select(active, self._reflected(wi, out), 0.0)
-            return value, dr.select(active, self._density(wi, out), 0.0)
-
-        def _same_side(self, si: Any, wo: Any, active: Any) -> Any:
-            """Turn a back side up; directions on two sides see nothing of each other."""
+            """Turn a back side up, and return both; directions on two sides see nothing of each other."""
             active &= si.wi.z * wo.z > 0.0
             wi = mitsuba.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
-            return wi, mitsuba.Vector3f(wo.x, wo.y, dr.abs(wo.z)), active
-
-        def _place_of(self, h: Any) -> Any:
-            """Find h on the unit square: u from -1 to 1 put to 0..1."""
-            u = dr.power(dr.abs(h) / self.half_range, 1.0 / self.warp)
-            return 0.5 + 0.5 * mitsuba.Point2f(dr.mulsign(u.x, h.x), dr.mulsign(u.y, h.y))
-
-        def _h_of(self, place: Any) -> Any:
-            u = 2.0 * place - 1.0
-            h = self.half_range * dr.power(dr.abs(u), self.warp)
-            return mitsuba.Point2f(dr.mulsign(h.x, u.x), dr.mulsign(h.y, u.y))
-
-        def _reflected(self, wi: Any, wo: Any) -> Any:
-            sum_ = wi + wo
-            h = mitsuba.Point2f(sum_.x, sum_.y)
-            inside = (dr.abs(h.x) <= self.half_range) & (dr.abs(h.y) <= self.half_range)
-            # The table's outer samples lie on its border, a texture's half a sample within it.
-            place = (self._place_of(h) * (self.size - 1.0) + 0.5) / self.size
-            colour = mitsuba.Color3f(*self.texture.eval(place))
-            cosine = dr.clip(0.5 * dr.norm(sum_), 0.0, 1.0)
-            fresnel = self.f0 + (1.0 - self.f0) * dr.power(1.0 - cosine, 5)
-            scattered = dr.select(inside, self.weight * fresnel * fresnel * colour, 0.0)
-            return (self.diffuse * dr.inv_pi + scattered) * wo.z
-
-        def _density(self, wi: Any, wo: Any) -> Any:
-            """Density over solid angle: over u, times du/dh of both axes, times cos (ds = cos dω)."""
-            sum_ = wi + wo
-            h = mitsuba.Point2f(sum_.x, sum_.y)
-            inside = (dr.abs(h.x) <= self.half_range) & (dr.abs(h.y) <= self.half_range)
-            place = self._place_of(h)
-            u = 2.0 * place - 1.0
-            stretch = 2.0 * self.half_range * self.warp * dr.power(dr.abs(u), self.warp - 1)
-            area = dr.maximum(stretch.x, 1e-12) * dr.maximum(stretch.y, 1e-12)
-            by_table = dr.select(inside, self.lobe.eval(place) / area, 0.0)
-            return wo.z * ((1.0 - _COSINE_SHARE) * by_table + _COSINE_SHARE * dr.inv_pi)
+            out = mitsuba.Vector3f(wo.x, wo.y, dr.abs(wo.z))
+            value = dr.select(active, self.of.reflected(wi, out), 0.0)
+            return value, dr.select(active, self.of.density(wi, out), 0.0)
 
         def to_string(self) -> str:
             """Name the plugin."""
-            return f"{PLUGIN}[{int(self.size.x[0])} x {int(self.size.y[0])}]"
+            return f"{PLUGIN}[{int(self.of.size.x[0])} x {int(self.of.size.y[0])}]"
 
     mitsuba.register_bsdf(PLUGIN, SurfaceBSDF)
 

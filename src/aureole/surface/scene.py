@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,19 +13,11 @@ from aureole.surface import _kernels_shade
 from aureole.surface.lamps import Lamp, lamp_rows
 from aureole.surface.material import Material, shader_numbers
 from aureole.surface.shapes import Mesh, Pose, Seen, Shape, see, shape_numbers
+from aureole.surface.table import ScatterTable
 from aureole.surface.views import View
 
 # Samples between two stages; a mesh keeps a frame for each of them.
 _BAND = 1 << 20
-
-
-class Table(Protocol):
-    """What the shader reads of a `ScatterTable`."""
-
-    values: NDArray[np.float32]
-    half_range: float
-    warp: int
-    white: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +82,7 @@ class Shader:
 
 
 def shader(
-    table: Table | Sequence[Table],
+    table: ScatterTable | Sequence[ScatterTable],
     material: Material | None = None,
     mask: ArrayLike | None = None,
     regions: ArrayLike | None = None,
@@ -163,7 +155,7 @@ def shade(prepared: Shader, seen: Seen, lamps: Sequence[Lamp]) -> NDArray[np.flo
 
 def render(
     scene: Scene,
-    table: Table | Sequence[Table] | Shader,
+    table: ScatterTable | Sequence[ScatterTable] | Shader,
     shape: Shape,
     samples: int = 1,
     colour_space: str = "rec709",
@@ -202,7 +194,7 @@ def render(
 
 def render_stages(
     scene: Scene,
-    table: Table | Sequence[Table] | Shader,
+    table: ScatterTable | Sequence[ScatterTable] | Shader,
     shape: Shape,
     samples: int = 1,
     colour_space: str = "rec709",
@@ -211,8 +203,16 @@ def render_stages(
 
     Parameters
     ----------
-    scene, table, shape, samples, colour_space
-        As `render`.
+    scene : Scene
+        As for `render`, and so are the others.
+    table : ScatterTable, sequence of them, or Shader
+        What the surface does to light.
+    shape : Plane, Disc, Cylinder or Mesh
+        The shape.
+    samples : int
+        Samples a pixel along each axis.
+    colour_space : str
+        Of the picture.
 
     Yields
     ------
