@@ -16,11 +16,13 @@ The table:
 
 Measured:
 - `geometry.py`: from a photograph's pixels to h, by where camera and lamp stand.
+- `response.py`: a camera's response from a bracket, where files are not linear in light.
 - `hdr_merge.py`: black level, and one linear photograph from a bracket.
 - `centre.py`: the zero order's place in a photograph, to a fraction of a pixel.
 - `bandwidth.py`: what a filter's width and the lens's blur do to a pattern, and undoing it.
 - `zero_order.py`: the zero order told apart from the rest of a pattern.
-- `measure.py`: from photographs to a pattern, and to a table.
+- `measure.py`: from photographs to a pattern.
+- `photo_tables.py`: from photographs, or several measured patterns, to a table.
 - `virtual.py`: photographs that a camera would take of a surface whose diffraction is known.
 - `bokeh.py`: from a photograph of an out-of-focus highlight to heights, as far as the lens can see.
 
@@ -103,12 +105,19 @@ from aureole.surface.height_tables import (
 from aureole.surface.integrate import METHODS, table_from_pattern, table_from_pattern_stages
 from aureole.surface.lamps import Lamp, area_lamp, distant_lamp, point_lamp
 from aureole.surface.material import Material, conductor, schlick
-from aureole.surface.measure import measure_pattern, table_from_photo
+from aureole.surface.measure import Processing, measure_pattern, measure_pattern_stages
 from aureole.surface.meshes import mesh_of, read_mesh
 from aureole.surface.pattern import DiffractionPattern, diffraction_pattern, on_grid
 from aureole.surface.pfm import read_pfm, write_pfm
+from aureole.surface.photo_tables import (
+    table_from_measured,
+    table_from_measured_stages,
+    table_from_photo,
+    table_from_photo_stages,
+)
 from aureole.surface.prefilter import prefiltered
 from aureole.surface.quadrature import Quadrature, quadrature
+from aureole.surface.response import Response, camera_response
 from aureole.surface.rooms import lamps_and_windows
 from aureole.surface.scene import Scene, Shader, render, render_stages, shade, shader
 from aureole.surface.shapes import Cylinder, Disc, Mesh, Plane, Pose, Seen, pose_of, see
@@ -140,8 +149,10 @@ __all__ = [
     "Mesh",
     "Plane",
     "Pose",
+    "Processing",
     "Quadrature",
     "ReflectedLight",
+    "Response",
     "ScatterTable",
     "Scene",
     "Seen",
@@ -159,6 +170,7 @@ __all__ = [
     "area_lamp",
     "blazed_grating",
     "bokeh_profile",
+    "camera_response",
     "circle_of_confusion",
     "conductor",
     "convolved",
@@ -185,6 +197,7 @@ __all__ = [
     "littrow_angle",
     "lookup",
     "measure_pattern",
+    "measure_pattern_stages",
     "merge",
     "mesh_of",
     "multislit",
@@ -222,9 +235,12 @@ __all__ = [
     "table_from_grating_stages",
     "table_from_height",
     "table_from_height_stages",
+    "table_from_measured",
+    "table_from_measured_stages",
     "table_from_pattern",
     "table_from_pattern_stages",
     "table_from_photo",
+    "table_from_photo_stages",
     "taylor_error",
     "taylor_order",
     "taylor_tables",

@@ -9,7 +9,8 @@ where M is the pattern at λ_m and B the blur. `sharpen` inverts it by Richardso
 (1972, 1974), which keeps the pattern positive; its adjoint scales back by 1 / s_k and divides by s_k².
 """
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 
 from aureole import refuse
 from aureole.light.lookups import stretched_at
-from aureole.records import Pattern, Spectrum
+from aureole.records import Pattern, Spectrum, Stage
 from aureole.surface.pattern import DiffractionPattern, on_grid
 
 Plane = NDArray[np.float32]
@@ -25,6 +26,7 @@ Operator = Callable[[Plane], Plane]
 
 _CUBIC = 4  # taps: linear look-ups would blur what the iteration then sharpens twice
 MOST_WAVELENGTHS = 64
+REACHED = 1e-2  # of a sample's light: what the photograph saw less of says nothing about it
 
 
 def mean_wavelength(band: Spectrum) -> float:
@@ -97,7 +99,7 @@ def smeared(
     DiffractionPattern
         On the same grid.
     """
-    forward, _ = _operators(pattern, band, power, blur)
+    forward, _ = _operators(on_grid(pattern), band, power, blur)
     return replace(pattern, values=forward(pattern.values))
 
 
@@ -107,6 +109,7 @@ def sharpen(
     power: float = 4.0,
     blur: float = 0.0,
     iterations: int = 10,
+    seen: NDArray[np.bool_] | None = None,
 ) -> DiffractionPattern:
     """Undo a filter's width and the lens's blur in a measured pattern.
 
@@ -122,45 +125,110 @@ def sharpen(
         Standard deviation of the Gaussian blur, in h; 0 is sharp.
     iterations : int
         More recover finer detail, and noise with it.
+    seen : ndarray of bool, shape (rows, columns), or None
+        Where the pattern was measured; None is everywhere. What lies beyond is left to follow from what was
+        measured, so that light which the band brought in from there is not crowded at the rim.
 
     Returns
     -------
     DiffractionPattern
-        At λ_m on the same grid, none of it negative.
+        At λ_m on the same grid, none of it negative, zero where not measured.
 
     Raises
     ------
     refuse.Refusal
         Where a number is not as described.
     """
+    for stage in sharpen_stages(pattern, band, power, blur, iterations, seen):
+        last = stage
+    sharp: DiffractionPattern = last.result
+    return sharp
+
+
+def sharpen_stages(
+    pattern: DiffractionPattern,
+    band: Spectrum | None = None,
+    power: float = 4.0,
+    blur: float = 0.0,
+    iterations: int = 10,
+    seen: NDArray[np.bool_] | None = None,
+) -> Iterator[Stage]:
+    """Do what `sharpen` does, with a stage before every iteration.
+
+    Parameters
+    ----------
+    pattern : DiffractionPattern
+        As for `sharpen`, and so are the others.
+    band : Spectrum or None
+        Lamp × filter × sensor.
+    power : float
+        p of the model.
+    blur : float
+        Standard deviation of the Gaussian blur, in h.
+    iterations : int
+        How many.
+    seen : ndarray of bool, shape (rows, columns), or None
+        Where the pattern was measured.
+
+    Yields
+    ------
+    Stage
+        The last one holds the pattern.
+    """
     iterations = refuse.at_least("iterations", iterations, 1)
-    forward, adjoint = _operators(pattern, band, power, blur)
-    measured: Plane = np.maximum(pattern.values, np.float32(0.0))
+    plane = on_grid(pattern)
+    known = np.ones(pattern.values.shape, bool) if seen is None else np.asarray(seen)
+    margin = _margin(plane, band, blur)
+    forward, adjoint = _operators(_framed(plane, margin), band, power, blur)
+    measured: Plane = np.where(known, np.maximum(pattern.values, np.float32(0.0)), np.float32(0.0))
     top = float(measured.max())
     if not top > 0:
-        return pattern
+        yield Stage(1.0, "pattern", pattern)
+        return
     # What is far below the pattern's least light cannot change, so that a zero divides nothing.
     floor = np.float32(1e-9 * top)
-    seen = np.maximum(adjoint(np.ones_like(measured)), np.float32(1e-3))
-    estimate = np.maximum(measured, floor).astype(np.float32)
-    for _ in range(iterations):
-        ratio: Plane = np.asarray(measured / np.maximum(forward(estimate), floor), dtype=np.float32)
-        estimate = np.maximum(estimate * adjoint(ratio) / seen, floor).astype(np.float32)
-    return replace(pattern, values=estimate)
+    inside = tuple(slice(margin, margin + count) for count in known.shape)
+    reached = adjoint(np.pad(known.astype(np.float32), margin))
+    told = reached > REACHED * reached.max()
+    estimate = np.maximum(np.pad(measured, margin, mode="edge"), floor).astype(np.float32)
+    for k in range(iterations):
+        yield Stage(k / iterations, "undoing band and blur")
+        ratio = np.where(known, measured / np.maximum(forward(estimate)[inside], floor), 0.0)
+        change = adjoint(np.pad(ratio.astype(np.float32), margin))
+        change = np.divide(change, reached, out=np.ones_like(change), where=told)
+        estimate = np.maximum(estimate * change, floor).astype(np.float32)
+    sharp = np.where(known, estimate[inside], np.float32(0.0))
+    yield Stage(1.0, "pattern", replace(pattern, values=sharp))
 
 
-def _operators(
-    pattern: DiffractionPattern, band: Spectrum | None, power: float, blur: float
-) -> tuple[Operator, Operator]:
+def _margin(plane: Pattern, band: Spectrum | None, blur: float) -> int:
+    """Count the samples beyond the rim from which band and blur bring light in."""
+    shortest = plane.wavelength
+    if band is not None:
+        shortest = min(shortest, float(band.wavelengths[np.flatnonzero(band.values)[0]]))
+    half = 0.5 * float(max(plane.intensity.shape))
+    blurred = 3.0 * blur / min(plane.grid.spacing)
+    wide: float = min(half * (plane.wavelength / shortest - 1.0), half) + blurred
+    return math.ceil(wide) + 1
+
+
+def _framed(plane: Pattern, margin: int) -> Pattern:
+    """Return a plane with a margin on each side."""
+    rows, columns = plane.intensity.shape
+    grid = replace(plane.grid, shape=(rows + 2 * margin, columns + 2 * margin))
+    return replace(plane, intensity=np.pad(plane.intensity, margin), grid=grid)
+
+
+def _operators(plane: Pattern, band: Spectrum | None, power: float, blur: float) -> tuple[Operator, Operator]:
     """Return the photograph of a pattern as an operator on its values, and the operator's adjoint."""
-    grid = on_grid(pattern).grid
+    grid = plane.grid
     if blur < 0:
         raise refuse.Refusal(f"'blur' must be >= 0, got {blur:g}.")
     widths = tuple(refuse.finite("blur", blur) / step for step in grid.spacing)
-    wavelengths, shares = np.array([pattern.wavelength]), np.ones(1)
+    wavelengths, shares = np.array([plane.wavelength]), np.ones(1)
     if band is not None:
-        wavelengths, shares = shares_of(band, _enough(pattern, band))
-    scales = pattern.wavelength / wavelengths
+        wavelengths, shares = shares_of(band, _enough(plane, band))
+    scales = plane.wavelength / wavelengths
     weights = shares * scales ** refuse.finite("power", power)
 
     def forward(values: Plane) -> Plane:
@@ -172,17 +240,17 @@ def _operators(
     def _scaled(values: Plane, by: NDArray[np.float64], share: NDArray[np.float64]) -> Plane:
         if band is None:
             return values
-        plane = Pattern(values, grid, pattern.wavelength, 0.0)
         y, x = grid.axes()
-        return stretched_at(plane, by, np.repeat(share[:, None], 3, axis=1), y, x, _CUBIC)[..., 0]
+        colours = np.repeat(share[:, None], 3, axis=1)
+        return stretched_at(replace(plane, intensity=values), by, colours, y, x, _CUBIC)[..., 0]
 
     return forward, adjoint
 
 
-def _enough(pattern: DiffractionPattern, band: Spectrum) -> int:
+def _enough(plane: Pattern, band: Spectrum) -> int:
     """Count the wavelengths that step by about two samples from one to the next at the rim."""
     lit = band.wavelengths[band.values > 0]
-    smear = float(np.ptp(lit)) / pattern.wavelength * max(pattern.values.shape) / 2.0
+    smear = float(np.ptp(lit)) / plane.wavelength * max(plane.intensity.shape) / 2.0
     return int(np.clip(np.ceil(smear / 2.0), 8, MOST_WAVELENGTHS))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aureole import refuse
+from aureole.surface.response import Response
 
 Values = NDArray[np.float64]
 
@@ -44,6 +45,7 @@ def merge(
     saturation: float | None = None,
     read_noise: float = 1.0,
     gain: float = 1.0,
+    response: Response | None = None,
 ) -> Merged:
     """Merge a bracket of linear photographs into one.
 
@@ -60,11 +62,15 @@ def merge(
     black : float, sequence of array_like, or str
         Counts without light: a number; a dark frame for each photograph; or "estimate", by `estimate_black`.
     saturation : float or None
-        Counts at which the camera clips; None says that nothing is clipped.
+        Counts at which the camera clips; None says that nothing is clipped, or with a response that its
+        largest value is.
     read_noise : float
         Counts, standard deviation.
     gain : float
         Electrons a count.
+    response : Response or None
+        Of files that are not linear in light, as `camera_response` finds it: then black, saturation and read
+        noise are in the files' values, all of which have the same noise; None is linear.
 
     Returns
     -------
@@ -79,15 +85,24 @@ def merge(
     stack, times = _checked(photos, exposures)
     read_noise, gain = refuse.positive("read_noise", read_noise), refuse.positive("gain", gain)
     usable = np.ones(stack.shape, dtype=bool)
+    if saturation is None and response is not None:
+        saturation = float(response.values[-1])
     if saturation is not None:
         usable = stack < TOP * refuse.positive("saturation", saturation)
     saturated = np.asarray(~usable.any(axis=0))
     # Where all are clipped the shortest exposure says most.
     usable[np.argmin(times)] |= saturated
-    counts = stack - _black_frames(black, stack, times, usable)
+    if response is not None and isinstance(black, str):
+        raise refuse.Refusal("'black' cannot be estimated where a response is given; give it as a number.")
+    dark = _black_frames(black, stack, times)
     scale = times[:, None, None]
-    mean = (counts * usable).sum(axis=0) / (scale * usable).sum(axis=0)
-    variance = read_noise**2 + scale * np.maximum(mean, 0.0) / gain
+    if response is None:
+        counts = stack - dark
+        mean = (counts * usable).sum(axis=0) / (scale * usable).sum(axis=0)
+        variance = read_noise**2 + scale * np.maximum(mean, 0.0) / gain
+    else:
+        counts = response.exposure(stack) - response.exposure(dark)
+        variance = np.maximum(read_noise * response.slope(stack), 1e-12) ** 2
     weights = usable * scale**2 / variance
     total = weights.sum(axis=0)
     values = (weights * counts / scale).sum(axis=0) / total
@@ -126,9 +141,7 @@ def estimate_black(photos: Sequence[ArrayLike], exposures: Sequence[float]) -> f
     return float(np.median(dark.mean(axis=0) - slopes * times.mean()))
 
 
-def _black_frames(
-    black: float | Sequence[ArrayLike] | str, stack: Values, times: Values, usable: NDArray[np.bool_]
-) -> float | Values:
+def _black_frames(black: float | Sequence[ArrayLike] | str, stack: Values, times: Values) -> float | Values:
     if isinstance(black, str):
         refuse.one_of("black", black, ("estimate",))
         return estimate_black(list(stack), times.tolist())

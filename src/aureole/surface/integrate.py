@@ -290,4 +290,5 @@ def bilinear(
 
 
 def _described(pattern: DiffractionPattern) -> dict[str, Any]:
-    return {"name": pattern.name, "wavelength": pattern.wavelength, "half_range": pattern.half_range}
+    said = {"name": pattern.name, "wavelength": pattern.wavelength, "half_range": pattern.half_range}
+    return {**said, **pattern.metadata}

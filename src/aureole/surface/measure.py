@@ -6,24 +6,87 @@ along rows and columns are separable.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aureole import refuse
-from aureole.records import Spectrum
-from aureole.surface.bandwidth import sharpen
+from aureole.records import Spectrum, Stage
+from aureole.surface.bandwidth import sharpen_stages
 from aureole.surface.centre import Centre, find_centre
 from aureole.surface.geometry import Geometry, farthest_h, pixel_map
 from aureole.surface.hdr_merge import merge
-from aureole.surface.integrate import table_from_pattern
 from aureole.surface.pattern import DiffractionPattern
-from aureole.surface.table import MODELS, SIZE, WARP, ScatterTable
-from aureole.surface.zero_order import split_zero_order
+from aureole.surface.response import Response
 
 MOST_SAMPLES = 4097  # along an axis
+# Pixels, standard deviation: between a sharp lens and one of a pixel, as cameras with a colour mosaic blur.
+TYPICAL_BLUR = 0.7
+FLAT_SMOOTHING = 100.0  # a picture's side over the radius over which a flat field is smoothed
+BRIGHT = 3.0  # times the photograph's noise from which something in it is light
+# Shares of the time that merging, finding the centre and resampling take, of a bracket of six.
+MERGING, FINDING, RESAMPLING, ITERATION = 0.4, 0.5, 0.3, 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class Processing:
+    """How photographs become a pattern.
+
+    Parameters
+    ----------
+    black : float, sequence of array_like, or str
+        As for `merge`.
+    saturation : float or None
+        As for `merge`.
+    read_noise, gain : float
+        As for `merge`.
+    response : Response or None
+        As for `merge`: of files that are not linear in light.
+    flat : array_like of shape (rows, columns), or None
+        A linear photograph of an evenly lit white sheet, black level taken off: the lens's falling off to
+        the corners, which is divided out. The lamp's own falling off is the geometry's, not this one's.
+    centre : tuple of float or str
+        The zero order's (row, column), or a method of `find_centre`.
+    irradiance : float
+        E on the sample at the zero order, in the photographs' radiance; 1 leaves the scale relative.
+    reflectance : float
+        Fresnel factor F_0 at normal incidence that was in the measurement, and is divided out.
+    band : Spectrum or None
+        Lamp × filter × sensor, whose width is undone by `sharpen`; None takes it as one wavelength.
+    blur : float or None
+        Standard deviation, in pixels, of the lens's Gaussian blur that is undone. None is `TYPICAL_BLUR`
+        where a band is given, so that what is sharpened is sharpened whole, and otherwise 0.
+    power : float
+        Exponent of the model, which undoing a band's width needs: 4 phase, 2 amplitude.
+    iterations : int
+        Of `sharpen`.
+    half_range : float or None
+        h · t and h · b of the outermost samples; None covers the whole photograph.
+    size : int or None
+        Samples along each axis; None keeps the step of the photograph's central pixels.
+    name : str
+        What to call it in reports.
+    """
+
+    black: float | Sequence[ArrayLike] | str = 0.0
+    saturation: float | None = None
+    read_noise: float = 1.0
+    gain: float = 1.0
+    response: Response | None = None
+    flat: ArrayLike | None = None
+    centre: tuple[float, float] | str = "auto"
+    irradiance: float = 1.0
+    reflectance: float = 1.0
+    band: Spectrum | None = None
+    blur: float | None = None
+    power: float = 4.0
+    iterations: int = 10
+    half_range: float | None = None
+    size: int | None = None
+    name: str = "measured"
 
 
 def measure_pattern(
@@ -31,21 +94,7 @@ def measure_pattern(
     exposures: Sequence[float] | float,
     geometry: Geometry,
     wavelength: float,
-    *,
-    black: float | Sequence[ArrayLike] | str = 0.0,
-    saturation: float | None = None,
-    read_noise: float = 1.0,
-    gain: float = 1.0,
-    centre: tuple[float, float] | str = "auto",
-    irradiance: float = 1.0,
-    reflectance: float = 1.0,
-    band: Spectrum | None = None,
-    blur: float = 0.0,
-    power: float = 4.0,
-    iterations: int = 10,
-    half_range: float | None = None,
-    size: int | None = None,
-    name: str = "measured",
+    **processing: Any,
 ) -> DiffractionPattern:
     """Measure a flat sample's diffraction pattern from photographs under one narrow band.
 
@@ -59,122 +108,87 @@ def measure_pattern(
         Where camera and lamp stood.
     wavelength : float
         Metres: the band's.
-    black : float, sequence of array_like, or str
-        As for `merge`.
-    saturation : float or None
-        As for `merge`.
-    read_noise, gain : float
-        As for `merge`.
-    centre : tuple of float or str
-        The zero order's (row, column), or a method of `find_centre`.
-    irradiance : float
-        E on the sample at the zero order, in the photographs' radiance; 1 leaves the scale relative.
-    reflectance : float
-        Fresnel factor F_0 at normal incidence that was in the measurement, and is divided out.
-    band : Spectrum or None
-        Lamp × filter × sensor, whose width is undone by `sharpen`; None takes it as one wavelength.
-    blur : float
-        Standard deviation, in pixels, of the lens's Gaussian blur that is undone.
-    power : float
-        Exponent of the model, which undoing a band's width needs: 4 phase, 2 amplitude.
-    iterations : int
-        Of `sharpen`.
-    half_range : float or None
-        h · t and h · b of the outermost samples; None covers the whole photograph.
-    size : int or None
-        Samples along each axis; None keeps the step of the photograph's central pixels.
-    name : str
-        What to call it in reports.
+    **processing : dict
+        What `Processing` has: black, saturation, read_noise, gain, response, flat, centre, irradiance,
+        reflectance, band, blur, power, iterations, half_range, size, name.
 
     Returns
     -------
     DiffractionPattern
-        M(h) = L(h) / (4 π² F_0² E(h)) by Eq. 14, zero where the photograph does not reach.
+        M(h) = L(h) / (4 π² F_0² E(h)) by Eq. 14, zero where the photograph does not reach. Its metadata say
+        where the zero order was found ("centre", "centre_method", "symmetry") and how large a share of the
+        pixels all exposures clipped ("saturated_share").
 
     Raises
     ------
     refuse.Refusal
-        Where an input is not as described, or the zero order lies outside the photograph.
+        Where an input is not as described, the photographs are dark, or the zero order lies outside them.
     """
-    bracket, times = _bracket(photos, exposures)
-    wavelength = refuse.positive("wavelength", wavelength)
-    scale = refuse.positive("irradiance", irradiance) * refuse.positive("reflectance", reflectance) ** 2
-    merged = merge(bracket, times, black, saturation, read_noise, gain)
-    place = locate(merged.values, centre)
-    values, reach = resample(merged.values, geometry, (place.row, place.column), half_range, size)
-    radiance = np.maximum(values, 0.0) / (4.0 * math.pi**2 * scale)
-    pattern = DiffractionPattern(radiance.astype(np.float32), reach, wavelength, name)
-    if band is None and not blur:
-        return pattern
-    step = farthest_h(geometry, (place.row, place.column), _shape(merged.values))[1]
-    return sharpen(pattern, band, power, blur * step, iterations)
+    for stage in measure_pattern_stages(photos, exposures, geometry, wavelength, **processing):
+        last = stage
+    pattern: DiffractionPattern = last.result
+    return pattern
 
 
-def table_from_photo(
+def measure_pattern_stages(
     photos: ArrayLike | Sequence[ArrayLike],
     exposures: Sequence[float] | float,
     geometry: Geometry,
     wavelength: float,
-    spectrum: Spectrum | str = "E",
-    *,
-    model: str = "phase",
-    zero_order: str = "keep",
-    zero_radius: float | None = None,
-    table_size: int = SIZE,
-    warp: int = WARP,
-    **measurement: Any,
-) -> ScatterTable:
-    """Measure a flat sample under one narrow band, and make its table under any light.
+    **processing: Any,
+) -> Iterator[Stage]:
+    """Do what `measure_pattern` does, with a stage before every step.
 
     Parameters
     ----------
     photos : array_like of shape (rows, columns), or sequence of them
-        One linear HDR photograph, or a bracket.
+        As for `measure_pattern`, and so are the others.
     exposures : float or sequence of float
         Of each photograph.
     geometry : BenchGeometry or UniformGeometry
         Where camera and lamp stood.
     wavelength : float
-        Metres: the band's.
-    spectrum : Spectrum or str
-        The light of the table.
-    model : {"phase", "amplitude", "paper"}
-        How the pattern's brightness goes with wavelength; a band's width is undone by the same model.
-    zero_order : {"keep", "remove", "specular"}
-        "remove" cuts it out of the pattern; "specular" does so and keeps its energy and width in the table's
-        metadata, to be drawn as a mirror's lobe that stays white.
-    zero_radius : float or None
-        Of the zero order in h; None finds it by `split_zero_order`.
-    table_size : int
-        Samples of the table along each axis.
-    warp : int
-        Of the table's axes.
-    **measurement : dict
-        What else `measure_pattern` takes.
+        Metres.
+    **processing : dict
+        What `Processing` has.
 
-    Returns
-    -------
-    ScatterTable
-        The table.
-
-    Raises
+    Yields
     ------
-    refuse.Refusal
-        Where an input is not as described.
+    Stage
+        The last one holds the pattern.
     """
-    refuse.one_of("model", model, MODELS)
-    refuse.one_of("zero_order", zero_order, ("keep", "remove", "specular"))
-    power = float(MODELS[model])
-    pattern = measure_pattern(photos, exposures, geometry, wavelength, power=power, **measurement)
-    notes: dict[str, Any] = {}
-    if zero_order != "keep":
-        pattern, cut = split_zero_order(pattern, zero_radius)
-        notes = {"zero_order_radius": cut.radius}
-        if zero_order == "specular":
-            notes |= {"zero_order_energy": cut.energy, "zero_order_width": cut.width}
-    return table_from_pattern(
-        pattern, spectrum, table_size, warp=warp, model=model, zero_order=zero_order, metadata=notes
+    how = _processing(processing)
+    bracket, times = _bracket(photos, exposures)
+    wavelength = refuse.positive("wavelength", wavelength)
+    scale = (
+        refuse.positive("irradiance", how.irradiance) * refuse.positive("reflectance", how.reflectance) ** 2
     )
+    work = MERGING + FINDING + RESAMPLING + _iterations(how) * ITERATION
+    yield Stage(0.0, "merging photographs")
+    merged = merge(bracket, times, how.black, how.saturation, how.read_noise, how.gain, how.response)
+    values = _evened(merged.values, how.flat)
+    _refuse_darkness(values)
+    yield Stage(MERGING / work, "finding the zero order")
+    place = locate(values, how.centre)
+    yield Stage((MERGING + FINDING) / work, "resampling over directions")
+    where = (place.row, place.column)
+    even, reach, seen = resample(values, geometry, where, how.half_range, how.size)
+    radiance = np.maximum(even, 0.0) / (4.0 * math.pi**2 * scale)
+    told = {
+        "centre": list(where),
+        "centre_method": place.method,
+        "symmetry": place.symmetry,
+        "saturated_share": float(merged.saturated.mean()),
+    }
+    pattern = DiffractionPattern(radiance.astype(np.float32), reach, wavelength, how.name, told)
+    if _iterations(how):
+        before = MERGING + FINDING + RESAMPLING
+        blur = _blur(how) * farthest_h(geometry, where, _shape(values))[1]
+        for stage in sharpen_stages(pattern, how.band, how.power, blur, how.iterations, seen):
+            if stage.result is None:
+                yield Stage((before + stage.fraction * (work - before)) / work, stage.label)
+        pattern = stage.result
+    yield Stage(1.0, "pattern", pattern)
 
 
 def locate(photo: NDArray[np.float64], centre: tuple[float, float] | str) -> Centre:
@@ -212,7 +226,7 @@ def resample(
     centre: tuple[float, float],
     half_range: float | None = None,
     size: int | None = None,
-) -> tuple[NDArray[np.float64], float]:
+) -> tuple[NDArray[np.float64], float, NDArray[np.bool_]]:
     """Resample a photograph onto a uniform grid of h, its irradiance made even.
 
     Parameters
@@ -234,6 +248,8 @@ def resample(
         Cubic splines through the photograph's samples; zero outside it.
     half_range : float
         h of the outermost samples.
+    seen : ndarray of bool, shape (size, size)
+        Where the photograph reaches.
 
     Raises
     ------
@@ -262,7 +278,7 @@ def resample(
     values = map_coordinates(photo, [rows, columns], order=3, mode="mirror")
     inside = (rows >= -0.5) & (rows <= photo.shape[0] - 0.5) & (columns >= -0.5)
     inside &= (columns <= photo.shape[1] - 0.5) & (irradiance > 0)
-    return np.divide(values, irradiance, out=np.zeros_like(values), where=inside), reach
+    return np.divide(values, irradiance, out=np.zeros_like(values), where=inside), reach, inside
 
 
 def _bracket(
@@ -278,3 +294,53 @@ def _bracket(
 
 def _shape(photo: NDArray[np.float64]) -> tuple[int, int]:
     return photo.shape[0], photo.shape[1]
+
+
+def _processing(options: dict[str, Any]) -> Processing:
+    """Take options as a `Processing`."""
+    known = [field.name for field in fields(Processing)]
+    for key in options:
+        if key not in known:
+            raise refuse.unknown_key("measurement", key, known)
+    return replace(Processing(), **options)
+
+
+def _blur(how: Processing) -> float:
+    """Return the blur to undo, in pixels."""
+    if how.blur is None:
+        return 0.0 if how.band is None else TYPICAL_BLUR
+    return refuse.between("blur", how.blur, 0.0, 100.0)
+
+
+def _iterations(how: Processing) -> int:
+    """Return how many iterations sharpen, none where there is nothing to undo."""
+    return 0 if how.band is None and _blur(how) == 0.0 else refuse.at_least("iterations", how.iterations, 1)
+
+
+def _evened(photo: NDArray[np.float64], flat: ArrayLike | None) -> NDArray[np.float64]:
+    """Divide out how a lens falls off to the corners, by the photograph of an even white."""
+    from scipy.ndimage import gaussian_filter
+
+    if flat is None:
+        return photo
+    white = refuse.all_finite("flat", refuse.shape_of("flat", flat, photo.shape)).astype(np.float64)
+    # Falling off is smooth: what is fine in it is noise or dust.
+    white = gaussian_filter(white, max(photo.shape) / FLAT_SMOOTHING, mode="nearest")
+    if not white.min() > 0:
+        raise refuse.Refusal("'flat' must be light everywhere; its darkest place is not above 0.")
+    return np.asarray(photo * (white.max() / white))
+
+
+def _refuse_darkness(photo: NDArray[np.float64]) -> None:
+    """Refuse photographs in which nothing stands out of the noise."""
+    from scipy.ndimage import median_filter
+
+    # Neighbours differ by the noise; a pattern that is coarser than its pixels adds little.
+    steps = np.abs(np.diff(photo, axis=1)) if photo.shape[1] > 1 else np.zeros(1)
+    noise = float(np.median(steps)) / (0.6745 * math.sqrt(2.0))
+    top = float(median_filter(photo, 3).max())
+    if not top > max(0.0, BRIGHT * noise):
+        raise refuse.Refusal(
+            f"'photos' have no light: their brightest place ({top:.3g}) does not stand out of their"
+            f" noise ({noise:.3g}); check exposure, black level and which channel was read."
+        )

@@ -1,6 +1,8 @@
 """A diffraction pattern at one wavelength, over the components of h = ω_i + ω_o in the surface."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,12 +26,15 @@ class DiffractionPattern:
         Metres.
     name : str
         What to call it in reports.
+    metadata : Mapping
+        What else is known, numbers and text; of a measured one what `measure_pattern` found.
     """
 
     values: NDArray[np.float32]
     half_range: float
     wavelength: float
     name: str = "pattern"
+    metadata: Mapping[str, Any] = field(default_factory=dict)
 
 
 def diffraction_pattern(
