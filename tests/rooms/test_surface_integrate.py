@@ -6,7 +6,7 @@ import pytest
 from aureole import light, surface
 from aureole.refuse import Refusal
 from aureole.surface.integrate import bilinear
-from aureole.surface.table import axes
+from aureole.surface.table import axes, cells, energy
 
 GREEN, RED = 530e-9, 650e-9
 
@@ -20,10 +20,11 @@ def gaussian(width, wavelength, half_range=1.0, size=401, offset=(0.0, 0.0)):
 @pytest.mark.parametrize("warp", [1, 3, 5])
 @pytest.mark.parametrize("size", [64, 65, (40, 51)])
 @pytest.mark.parametrize(("shape", "half_range"), [((90, 101), 1.0), ((101, 90), 0.1), ((60, 60), 2.0)])
-def test_separable_is_the_reference(warp, size, shape, half_range):
+@pytest.mark.parametrize("sample", ["cell", "point"])
+def test_separable_is_the_reference(warp, size, shape, half_range, sample):
     noise = np.random.default_rng(3).random(shape)
     pattern = surface.diffraction_pattern(noise, half_range, RED)
-    options = {"spectrum": "D65", "size": size, "warp": warp, "half_range": 1.7, "wavelengths": 24}
+    options = {"size": size, "warp": warp, "half_range": 1.7, "wavelengths": 12, "sample": sample}
     fast = surface.table_from_pattern(pattern, method="separable", **options).values
     truth = surface.table_from_pattern(pattern, method="reference", **options).values
     assert truth.max() > 0
@@ -40,11 +41,42 @@ def test_separable_is_the_reference_in_each_model_and_with_several_bands(model):
     assert np.abs(fast - truth).max() <= 1e-6 * truth.max()
 
 
+@pytest.mark.parametrize(("shape", "half_range"), [((400, 301), 0.02), ((40, 31), 1.0)])
+def test_means_are_those_of_many_points(shape, half_range):
+    """Cells of 23 × 17 samples, or 1/20 of one, against 60 × 60 places in each."""
+    pattern = surface.diffraction_pattern(np.random.default_rng(6).random(shape), half_range, RED)
+    table = surface.table_from_pattern(pattern, light.line(GREEN), 33, 0.03, 3, "amplitude")
+    shares = (np.arange(60) + 0.5) / 60
+    low, high = cells(33, 0.03, 3)
+    places = (low[:, None] + (high - low)[:, None] * shares).ravel() * RED / GREEN
+    fine = bilinear(pattern, places[None, :], -places[:, None]).reshape(33, 60, 33, 60)
+    wanted = (RED / GREEN) ** 2 * fine.mean(axis=(1, 3))
+    assert wanted.max() > 0.3
+    assert np.abs(table.values[..., 1] - wanted).max() <= 2e-3 * wanted.max()
+
+
+@pytest.mark.parametrize("warp", [1, 5])
+@pytest.mark.parametrize("size", [64, 301])
+def test_means_keep_the_energy_of_orders_narrower_than_a_cell(warp, size):
+    h = np.linspace(-0.5, 0.5, 601)
+    combs = [np.exp(-((((h + shift) % 0.09) - 0.045) ** 2) / (2 * 0.001**2)) for shift in (0.02, 0.05)]
+    pattern = surface.diffraction_pattern(np.outer(*combs), 0.5, RED)
+    held = pattern.values.sum(dtype=float) / 600**2 * light.white(light.line(GREEN))
+    tables = {
+        sample: surface.table_from_pattern(
+            pattern, light.line(GREEN), size, warp=warp, model="amplitude", sample=sample
+        )
+        for sample in ("cell", "point")
+    }
+    assert energy(tables["cell"]) == pytest.approx(held, rel=1e-6)
+    assert energy(tables["point"]) != pytest.approx(held, rel=0.03)
+
+
 @pytest.mark.parametrize(("model", "power"), [("phase", 4), ("amplitude", 2), ("paper", 2)])
 def test_one_line_scales_the_pattern(model, power):
     # M(h) = exp(−h²/2s²) at λ_m; at λ it is (λ_m/λ)^p exp(−(λ_m h/λ)²/2s²).
     pattern = gaussian(0.1, RED)
-    table = surface.table_from_pattern(pattern, light.line(GREEN), 101, 1.0, 1, model)
+    table = surface.table_from_pattern(pattern, light.line(GREEN), 101, 1.0, 1, model, sample="point")
     h_b, h_t = axes(table)
     ratio = RED / GREEN
     wanted = ratio**power * np.exp(-(ratio**2) * (h_t[None, :] ** 2 + h_b[:, None] ** 2) / (2 * 0.1**2))
@@ -55,7 +87,7 @@ def test_one_line_scales_the_pattern(model, power):
 
 def test_a_gaussian_pattern_under_white_light_is_a_sum_of_gaussians():
     pattern = gaussian(0.2, RED, half_range=2.0, size=801)
-    table = surface.table_from_pattern(pattern, "E", 81, warp=3)
+    table = surface.table_from_pattern(pattern, "E", 81, warp=3, sample="point")
     wavelengths, weights = light.quadrature(light.illuminant("E"), 81)
     h_b, h_t = axes(table)
     squared = h_t[None, :] ** 2 + h_b[:, None] ** 2
@@ -82,7 +114,7 @@ def test_amplitude_keeps_the_energy_at_each_wavelength_and_phase_does_not():
 
 def test_row_zero_is_up_and_columns_run_along_the_tangent():
     pattern = gaussian(0.03, GREEN, offset=(0.5, 0.25))
-    table = surface.table_from_pattern(pattern, light.line(GREEN), 201, 1.0, 1)
+    table = surface.table_from_pattern(pattern, light.line(GREEN), 201, 1.0, 1, sample="point")
     row, column = np.unravel_index(table.values[..., 1].argmax(), (201, 201))
     assert (row, column) == (75, 150)  # h_b = 0.25 lies above the middle row, h_t = 0.5 right of it
     assert surface.lookup(table, 0.5, 0.25)[1] == pytest.approx(1.0, rel=1e-3)
@@ -156,6 +188,7 @@ def test_bilinear_has_the_samples_and_zero_outside():
         ({"size": 1}, "'size' must be an integer >= 2"),
         ({"patterns": []}, "'patterns' needs one pattern or more"),
         ({"spectrum": "D56"}, "Did you mean 'D65'"),
+        ({"sample": "mean"}, "'sample' must be one of"),
         ({"zero_order": "drop"}, "'zero_order' must be one of"),
     ],
 )

@@ -51,7 +51,7 @@ def _cubic_line(padded, row, t, index, fraction, blended, line):  # type: ignore
 
 
 @njit(cache=True, fastmath={"contract"}, inline="always")
-def _add_group(lines, weights, first, sums):  # type: ignore[no-untyped-def]
+def add_group(lines, weights, first, sums):  # type: ignore[no-untyped-def]
     """Add five wavelengths' samples of one row to its three channels."""
     for channel in range(3):
         w0, w1 = weights[first, channel], weights[first + 1, channel]
@@ -95,7 +95,7 @@ def sum_wavelengths(
                         _linear_line(padded, row, t, column_index[k], column_fraction[k], blended, lines[m])
                     else:
                         _cubic_line(padded, row, t, column_index[k], column_fraction[k], blended, lines[m])
-                _add_group(lines, weights, first, sums)
+                add_group(lines, weights, first, sums)
             for j in range(columns):
                 for channel in range(3):
                     out[i, j, channel] = sums[channel, j]

@@ -8,6 +8,7 @@ The table:
 - `pattern.py`: a pattern at one wavelength, 1/sr over h.
 - `table.py`: the table, its warped axes, look-up at any h, RGB.
 - `integrate.py`: from patterns to a table, all wavelengths of a light; METHODS.
+- `cell_means.py`: means of a pattern over a table's cells.
 - `function.py`: from a formula to a table, sharp orders averaged over cells.
 - `albedo.py`: how much light a table sends back, and tables that send back no more than came.
 - `resampling.py`: a table on even steps of h, and back.

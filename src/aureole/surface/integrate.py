@@ -6,7 +6,7 @@ mirrors and gaps p = 2, which keeps its energy. The table is S_X = ∫ S_λ P x�
 for Y and Z. Pattern and formula are the surface's own: no F, no G and no 4π² in them.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from aureole import light, refuse
 from aureole.light.lookups import stretched_at
 from aureole.records import Spectrum, Stage
+from aureole.surface.cell_means import CellMeans, reference_means
 from aureole.surface.pattern import DiffractionPattern, on_grid
 from aureole.surface.table import (
     HALF_RANGE,
@@ -24,13 +25,16 @@ from aureole.surface.table import (
     WAVELENGTHS,
     ScatterTable,
     axis,
+    cells,
     checked_half_range,
     checked_warp,
     scatter_table,
 )
 
+SAMPLES = ("cell", "point")
 METHODS = ("auto", "reference", "separable")
 Bands = list[tuple[DiffractionPattern, NDArray[np.float64], NDArray[np.float64]]]
+Adder = Callable[[NDArray[np.float64], NDArray[np.float32]], None]
 
 _ROWS = 256  # rows of a table between two stages
 
@@ -46,6 +50,7 @@ def table_from_pattern(
     wavelengths: int = WAVELENGTHS,
     zero_order: str = "keep",
     metadata: Mapping[str, Any] | None = None,
+    sample: str = "cell",
 ) -> ScatterTable:
     """Integrate a pattern over the wavelengths of a light (surface paper, Eq. 12 and 15).
 
@@ -66,13 +71,16 @@ def table_from_pattern(
         Power p of λ_m / λ: 4, 2, and 2 as in the paper's Eq. 15.
     method : {"auto", "separable", "reference"}
         "separable" mixes two rows of the pattern for a row of the table, then looks up along it, in
-        float32; "reference" adds bilinear look-ups in float64. "auto" is "separable".
+        float32; "reference" adds them in float64, wavelength by wavelength. "auto" is "separable".
     wavelengths : int
         Number of wavelengths; those without light are left out, and lines are themselves.
     zero_order : {"keep", "remove", "specular"}
         What became of the light about h = 0 in the pattern.
     metadata : Mapping or None
         What else the table shall say.
+    sample : {"cell", "point"}
+        Means of the bilinear pattern over the table's cells, which keep its energy where cells are wider than
+        the pattern's samples, or its values at the table's samples, as Eq. 15 has it.
 
     Returns
     -------
@@ -85,7 +93,7 @@ def table_from_pattern(
         Where an input is not as described.
     """
     for stage in table_from_pattern_stages(
-        patterns, spectrum, size, half_range, warp, model, method, wavelengths, zero_order, metadata
+        patterns, spectrum, size, half_range, warp, model, method, wavelengths, zero_order, metadata, sample
     ):
         last = stage
     table: ScatterTable = last.result
@@ -103,6 +111,7 @@ def table_from_pattern_stages(
     wavelengths: int = WAVELENGTHS,
     zero_order: str = "keep",
     metadata: Mapping[str, Any] | None = None,
+    sample: str = "cell",
 ) -> Iterator[Stage]:
     """Do what `table_from_pattern` does, with a stage after every few rows.
 
@@ -128,6 +137,8 @@ def table_from_pattern_stages(
         What became of the light about h = 0.
     metadata : Mapping or None
         What else the table shall say.
+    sample : str
+        Means over cells, or points.
 
     Yields
     ------
@@ -136,16 +147,19 @@ def table_from_pattern_stages(
     """
     refuse.one_of("method", method, METHODS)
     refuse.one_of("model", model, MODELS)
+    refuse.one_of("sample", sample, SAMPLES)
     source = as_spectrum(spectrum)
     bands = weighed_bands(patterns, source, MODELS[model], wavelengths)
     rows, columns = checked_size(size)
-    t = axis(columns, checked_half_range(half_range), checked_warp(warp))
-    down = axis(rows, half_range, warp)  # −h · b of the rows
-    values = np.empty((rows, columns, 3), np.float32)
-    add = _reference if method == "reference" else _separable
+    # Samples, or cells' ends; of the rows −h · b, which rises.
+    places = axis if sample == "point" else cells
+    t = places(columns, checked_half_range(half_range), checked_warp(warp))
+    down = places(rows, half_range, warp)
+    values = np.zeros((rows, columns, 3), np.float32)
+    add = _MEMBERS[sample, "separable" if method == "auto" else method](bands, t)
     for start in range(0, rows, _ROWS):
         yield Stage(start / rows, "adding wavelengths")
-        add(bands, down[start : start + _ROWS], t, values[start : start + _ROWS])
+        add(down[..., start : start + _ROWS], values[start : start + _ROWS])
     notes = {"patterns": [_described(band[0]) for band in bands], **(metadata or {})}
     white = light.white(source)
     yield Stage(
@@ -240,25 +254,53 @@ def weighed_bands(
     return bands
 
 
-def _separable(
-    bands: Bands, down: NDArray[np.float64], t: NDArray[np.float64], out: NDArray[np.float32]
-) -> None:
-    """Fill rows of a table by the separable look-ups of the spectral sum."""
-    out[:] = 0.0
-    for pattern, scales, weights in bands:
-        if scales.size:
-            out += stretched_at(on_grid(pattern), scales, weights, down, t, taps=2)
+def _separable(bands: Bands, t: NDArray[np.float64]) -> Adder:
+    """Return what fills rows of a table by the separable look-ups of the spectral sum."""
+
+    def add(down: NDArray[np.float64], out: NDArray[np.float32]) -> None:
+        for pattern, scales, weights in bands:
+            if scales.size:
+                out += stretched_at(on_grid(pattern), scales, weights, down, t, taps=2)
+
+    return add
 
 
-def _reference(
-    bands: Bands, down: NDArray[np.float64], t: NDArray[np.float64], out: NDArray[np.float32]
-) -> None:
-    """Fill rows of a table by bilinear look-ups in float64, one wavelength after the other."""
-    total = np.zeros(out.shape)
-    for pattern, scales, weights in bands:
-        for scale, weight in zip(scales, weights, strict=True):
-            total += bilinear(pattern, scale * t[None, :], -scale * down[:, None])[:, :, None] * weight
-    out[:] = total
+def _reference(bands: Bands, t: NDArray[np.float64]) -> Adder:
+    """Return what fills rows of a table by bilinear look-ups in float64, one wavelength after the other."""
+
+    def add(down: NDArray[np.float64], out: NDArray[np.float32]) -> None:
+        total = np.zeros(out.shape)
+        for pattern, scales, weights in bands:
+            for scale, weight in zip(scales, weights, strict=True):
+                found = bilinear(pattern, scale * t[None, :], -scale * down[:, None])
+                total += found[:, :, None] * weight
+        out[:] = total
+
+    return add
+
+
+def _means(bands: Bands, t: NDArray[np.float64]) -> Adder:
+    """Return what fills rows of a table by means over cells, along rows and columns in turn."""
+    parts = [CellMeans(*band, t) for band in bands if band[1].size]
+
+    def add(down: NDArray[np.float64], out: NDArray[np.float32]) -> None:
+        for part in parts:
+            part.add(down, out)
+
+    return add
+
+
+def _reference_means(bands: Bands, t: NDArray[np.float64]) -> Adder:
+    """Return what fills rows of a table by means over cells in float64, one wavelength after the other."""
+
+    def add(down: NDArray[np.float64], out: NDArray[np.float32]) -> None:
+        total = np.zeros(out.shape)
+        for pattern, scales, weights in bands:
+            for scale, weight in zip(scales, weights, strict=True):
+                total += reference_means(pattern, float(scale), down, t)[:, :, None] * weight
+        out[:] = total
+
+    return add
 
 
 def bilinear(
@@ -292,3 +334,11 @@ def bilinear(
 def _described(pattern: DiffractionPattern) -> dict[str, Any]:
     said = {"name": pattern.name, "wavelength": pattern.wavelength, "half_range": pattern.half_range}
     return {**said, **pattern.metadata}
+
+
+_MEMBERS = {
+    ("point", "separable"): _separable,
+    ("point", "reference"): _reference,
+    ("cell", "separable"): _means,
+    ("cell", "reference"): _reference_means,
+}
