@@ -52,7 +52,7 @@ def test_means_are_those_of_many_points(shape, half_range):
     fine = bilinear(pattern, places[None, :], -places[:, None]).reshape(33, 60, 33, 60)
     wanted = (RED / GREEN) ** 2 * fine.mean(axis=(1, 3))
     assert wanted.max() > 0.3
-    assert np.abs(table.values[..., 1] - wanted).max() <= 2e-3 * wanted.max()
+    assert np.abs(table.values[..., 1] - wanted).max() <= 4e-3 * wanted.max()
 
 
 @pytest.mark.parametrize("warp", [1, 5])

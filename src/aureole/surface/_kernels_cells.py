@@ -5,15 +5,13 @@ once a wavelength however wide the cells are. Indices are unsigned: signed ones 
 """
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 from aureole.light._kernels import GROUP, add_group
 
-_BLOCK = 8  # output rows that share one set of buffers
 
-
-@njit(cache=True, fastmath={"contract"}, inline="always")
+@njit(cache=True, fastmath={"contract"})
 def _blend(framed, low, high, share, first, last, blended):  # type: ignore[no-untyped-def]
     """Average rows from low to high: between two rows the mean is the value half-way of what is covered."""
     target = blended[first:last]
@@ -30,7 +28,7 @@ def _blend(framed, low, high, share, first, last, blended):  # type: ignore[no-u
                 target[j] += above * one[j] + below * other[j]
 
 
-@njit(cache=True, fastmath={"contract"}, inline="always")
+@njit(cache=True, fastmath={"contract"})
 def _along(blended, first, shares, taps, line):  # type: ignore[no-untyped-def]
     """Average a row over the columns' cells, which take three samples, or `taps`, by their shares."""
     one, two = np.uint32(1), np.uint32(2)
@@ -44,7 +42,7 @@ def _along(blended, first, shares, taps, line):  # type: ignore[no-untyped-def]
             line[j] += share[j] * blended[first[j] + step]
 
 
-@njit(cache=True, parallel=True, fastmath={"contract"})
+@njit(cache=True, nogil=True, fastmath={"contract"})
 def add_cells(
     framed: NDArray[np.float32],
     rows: NDArray[np.float64],
@@ -53,32 +51,33 @@ def add_cells(
     spans: NDArray[np.int64],
     weights: NDArray[np.float32],
     out: NDArray[np.float32],
+    begin: int,
+    stop: int,
 ) -> None:
-    """Add to out (R, C, 3) the sum over K wavelengths of weights (K, 3) × means of a framed pattern.
+    """Add to rows of out (R, C, 3) the sum over K wavelengths of weights (K, 3) × means of a framed pattern.
 
     Rows (K, 3, R) are low and high ends and 1 / width. A column's cell takes samples from first (K, C) on by
     shares (K, T, C). Of the columns, spans (K, 4) are where those in the pattern begin, where those among
     them that need only three samples begin and end, and where all end. K is a multiple of GROUP.
     """
     (count, width), taps = first.shape, shares.shape[1]
-    for block in prange((out.shape[0] + _BLOCK - 1) // _BLOCK):
-        blended = np.zeros(framed.shape[1], np.float32)
-        lines = np.zeros((GROUP, width), np.float32)
-        sums = np.zeros((3, width), np.float32)
-        for i in range(block * _BLOCK, min(out.shape[0], (block + 1) * _BLOCK)):
-            sums[:] = np.float32(0.0)
-            for group in range(0, count, GROUP):
-                for m in range(GROUP):
-                    k = group + m
-                    begin, left, right, end = spans[k]
-                    low, high = rows[k, 0, i], rows[k, 1, i]
-                    lines[m, :] = np.float32(0.0)
-                    if begin < end and low < high:
-                        start, stop = np.int64(first[k, begin]), np.int64(first[k, end - 1]) + taps
-                        _blend(framed, low, high, rows[k, 2, i], start, stop, blended)
-                        for a, b, most in ((begin, left, taps), (left, right, 3), (right, end, taps)):
-                            _along(blended, first[k, a:b], shares[k, :, a:b], most, lines[m, a:b])
-                add_group(lines, weights, group, sums)
-            for j in range(width):
-                for channel in range(3):
-                    out[i, j, channel] += sums[channel, j]
+    blended = np.zeros(framed.shape[1], np.float32)
+    lines = np.zeros((GROUP, width), np.float32)
+    sums = np.zeros((3, width), np.float32)
+    for i in range(begin, stop):
+        sums[:] = np.float32(0.0)
+        for group in range(0, count, GROUP):
+            for m in range(GROUP):
+                k, line = group + m, lines[m]
+                line[:] = np.float32(0.0)
+                low, high = rows[k, 0, i], rows[k, 1, i]
+                start, left, right, end = spans[k]
+                if start < end and low < high:
+                    one, other = np.int64(first[k, start]), np.int64(first[k, end - 1]) + taps
+                    _blend(framed, low, high, rows[k, 2, i], one, other, blended)
+                    for a, b, most in ((start, left, taps), (left, right, 3), (right, end, taps)):
+                        _along(blended, first[k, a:b], shares[k, :, a:b], most, line[a:b])
+            add_group(lines, weights, group, sums)
+        for j in range(width):
+            for channel in range(3):
+                out[i, j, channel] += sums[channel, j]

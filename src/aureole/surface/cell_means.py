@@ -5,9 +5,12 @@ over a rectangle is one along rows times one along columns, both exact. In: a pa
 wavelengths, cells; out: their sum.
 """
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
+from aureole.aperture.bands import in_bands
 from aureole.surface.pattern import DiffractionPattern
 
 Array = NDArray[np.float64]
@@ -58,7 +61,7 @@ class CellMeans:
             To which Σ_k weights[k] ⟨M(scales[k] h)⟩ is added.
         """
         down = _clipped(places_of(self._pattern, rows, self._scales, 0), self._pattern.values.shape[0])
-        self._add(self._framed, down, *self._columns, self._weights, out)
+        in_bands(partial(self._add, self._framed, down, *self._columns, self._weights, out), len(out))
 
 
 def reference_means(pattern: DiffractionPattern, scale: float, rows: Array, columns: Array) -> Array:
