@@ -51,7 +51,9 @@ Drawn:
 
 Elsewhere:
 - `export_web.py`: a table as one HTML page (WebGL 2), as a GLSL function, as extras of a glTF material.
-- `mitsuba.py`: a table as a BSDF of Mitsuba 3, where that is installed.
+- `mitsuba.py`: a table, or patterns by wavelength, as a BSDF of Mitsuba 3, where that is installed.
+- `mitsuba_lobes.py`: what that BSDF does to light.
+- `mitsuba_scenes.py`: a `Scene` as a scene of Mitsuba, or as its file.
 """
 
 from aureole.surface.albedo import albedo, albedo_bound, normalised
@@ -108,6 +110,7 @@ from aureole.surface.lamps import Lamp, area_lamp, distant_lamp, point_lamp
 from aureole.surface.material import Material, conductor, schlick
 from aureole.surface.measure import Processing, measure_pattern, measure_pattern_stages
 from aureole.surface.meshes import mesh_of, read_mesh
+from aureole.surface.mitsuba_scenes import mitsuba_scene, write_mitsuba
 from aureole.surface.pattern import DiffractionPattern, diffraction_pattern, on_grid
 from aureole.surface.pfm import read_pfm, write_pfm
 from aureole.surface.photo_tables import (
@@ -201,6 +204,7 @@ __all__ = [
     "measure_pattern_stages",
     "merge",
     "mesh_of",
+    "mitsuba_scene",
     "multislit",
     "multislit_grating",
     "normalised",
@@ -248,6 +252,7 @@ __all__ = [
     "view_from",
     "write_glsl",
     "write_gltf",
+    "write_mitsuba",
     "write_page",
     "write_pfm",
     "write_table",

@@ -17,20 +17,23 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from aureole import refuse
-from aureole.surface.table import ScatterTable, rgb
+from aureole.surface.material import Material, shader_numbers
+from aureole.surface.mitsuba_lobes import Kept, Lobes, SpectralLobes, kept_patterns
+from aureole.surface.pattern import DiffractionPattern
+from aureole.surface.table import MODELS, ScatterTable
+from aureole.surface.table_files import read_table
 
-VARIANTS = ("llvm_ad_rgb", "cuda_ad_rgb")
+VARIANTS = ("llvm_ad_rgb", "llvm_ad_spectral", "cuda_ad_rgb", "cuda_ad_spectral")
 PLUGIN = "aureole_surface"
 INSTALL = 'install it with: pip install "aureole[mitsuba]"'
 INSTALL_LLVM = "install LLVM's library, on Debian and Ubuntu with: apt-get install libllvm15"
 # Where distributions put LLVM's library, for loaders that do not find it themselves.
 _LLVM_PLACES = ("/usr/lib/*/libLLVM*.so*", "/usr/lib/llvm-*/lib/libLLVM*.so*", "/usr/lib64/libLLVM*.so*")
 _PROBE_SECONDS = 120
-# The share of samples that leave by a cosine lobe, so that no direction is left out.
-_COSINE_SHARE = 0.05
+_FILE_COSINES = 65  # Fresnel's factors in a scene's file
 
 _PROBE = """
 import sys
@@ -45,7 +48,7 @@ print(float(mitsuba.TensorXf(mitsuba.render(scene, spp=1)).array[0]))
 """
 
 _keys = itertools.count()
-_tables: dict[int, ScatterTable] = {}
+_kept: dict[int, Kept] = {}
 
 
 @dataclass(frozen=True)
@@ -133,132 +136,123 @@ def use(variant: str = "llvm_ad_rgb") -> Any:
 
 
 def bsdf(
-    table: ScatterTable,
-    f0: ArrayLike = 1.0,
-    diffuse: ArrayLike = 0.0,
-    diffraction: float = 1.0,
+    table: ScatterTable | DiffractionPattern | Sequence[DiffractionPattern],
+    material: Material | None = None,
+    model: str = "phase",
 ) -> dict[str, Any]:
-    """Return what a scene of Mitsuba says to have a table as a BSDF.
+    """Return what a scene of Mitsuba says to have a table or patterns as a BSDF.
 
-    The light's spectrum is in the table, so that the scene's emitters are to be neutral. The shape's
-    tangents (``dp_du``) are the table's: a ``disk`` has radial ones as an optical disc does; meshes want
-    texture coordinates.
+    A table holds its light's spectrum, so that the scene's emitters are to be neutral, in a variant of RGB.
+    Patterns want a spectral variant, where each ray's own wavelengths are looked up, and emitters have
+    spectra of their own. The shape's tangents (``dp_du``) are the table's: a ``disk`` has radial ones as an
+    optical disc does; meshes want texture coordinates.
 
     Parameters
     ----------
-    table : ScatterTable
+    table : ScatterTable, DiffractionPattern or sequence of DiffractionPattern
         What the surface scatters.
-    f0 : array_like, shape () or (3,)
-        Reflectance at normal incidence, linear Rec.709; Schlick's factor follows from it.
-    diffuse : array_like, shape () or (3,)
-        Albedo of the diffuse part, linear Rec.709.
-    diffraction : float
-        Weight of the table's part.
+    material : Material or None
+        The rest of it; None only diffracts. Colours are linear Rec.709; where light has wavelengths, they
+        are taken at 620, 550 and 450 nm and linearly between.
+    model : {"phase", "amplitude", "paper"}
+        Power of the wavelength for patterns, as in `table_from_pattern`.
 
     Returns
     -------
     dict
-        For `mitsuba.load_dict`, after `use`.
+        For `mitsuba.load_dict`, after `use`; the surface is kept for the life of the process.
 
     Raises
     ------
     refuse.Refusal
-        Where a reflectance is not from 0 to 1.
+        Where the material is not as described or the model unknown.
     """
+    made = Material() if material is None else material
+    shader_numbers(made)
+    if isinstance(table, ScatterTable):
+        kept = Kept(table, made)
+    else:
+        patterns = (table,) if isinstance(table, DiffractionPattern) else tuple(table)
+        kept = kept_patterns(patterns, made, refuse.one_of("model", model, MODELS))
     key = next(_keys)
-    _tables[key] = table
-    entry: dict[str, Any] = {"type": PLUGIN, "table": key, "diffraction": float(diffraction)}
-    for name, colour in (("f0", _reflectance("f0", f0)), ("diffuse", _reflectance("diffuse", diffuse))):
-        entry.update({f"{name}_{channel}": value for channel, value in zip("rgb", colour, strict=True)})
-    return entry
+    _kept[key] = kept
+    return {"type": PLUGIN, "kept": key}
 
 
-def sampling_density(table: ScatterTable) -> NDArray[np.float32]:
-    """Return the density by which h is drawn, over the table's own u.
+def bsdf_of_file(table: str | os.PathLike[str], material: Material | None = None) -> dict[str, Any]:
+    """Return what a scene of Mitsuba says to have a table from a file as a BSDF: plain words and numbers.
 
     Parameters
     ----------
-    table : ScatterTable
-        What the surface scatters.
+    table : path_like
+        A file that `read_table` reads; where it is relative, Mitsuba seeks it beside the scene's file.
+    material : Material or None
+        The rest of the surface.
 
     Returns
     -------
-    ndarray of float32, shape (rows, columns)
-        Brightness times the stretch dh/du of both axes, rows from -h·b up; its largest is 1.
+    dict
+        For `mitsuba.load_dict` or a scene's file.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the material is not as described.
     """
-    brightness = np.abs(rgb(table)).mean(axis=2).astype(np.float64)[::-1]
-    rows, columns = (_stretch(length, table.warp) for length in brightness.shape)
-    density = brightness * rows[:, None] * columns[None, :]
-    largest = float(density.max())
-    return np.asarray(density / largest if largest > 0 else np.ones_like(density), dtype=np.float32)
+    made = Material() if material is None else material
+    numbers, fresnel = shader_numbers(made)
+    cosines = np.linspace(0.0, 1.0, _FILE_COSINES)
+    own = np.linspace(0.0, 1.0, len(fresnel))
+    factors = np.stack([np.interp(cosines, own, channel) for channel in fresnel.T], axis=1)
+    entry = {
+        "type": PLUGIN,
+        "table": os.fspath(table),
+        "diffuse": _words(np.pi * numbers[:3]),
+        "specular": float(made.specular),
+        "roughness": float(made.roughness),
+        "diffraction": float(made.diffraction),
+        "geometry": made.geometry,
+        "fresnel": _words(factors.ravel()),
+    }
+    return entry if made.window is None else {**entry, "window": _words(np.array(made.window))}
 
 
-def _stretch(length: int, warp: int) -> NDArray[np.float64]:
-    """Mean of n |u|^(n - 1) over each sample's cell: never zero, as the power itself is at the middle."""
-    edges = np.linspace(-1.0, 1.0, length)
-    edges = np.concatenate([edges[:1], 0.5 * (edges[1:] + edges[:-1]), edges[-1:]])
-    return np.asarray(np.diff(np.sign(edges) * np.abs(edges) ** warp) / np.diff(edges))
+def _words(numbers: NDArray[np.floating]) -> str:
+    return " ".join(f"{number:.7g}" for number in numbers)
 
 
-class _Reflectance:
-    """What a plugin knows of its table, in the arrays of the variant that is set."""
+def _surface_of(mitsuba: Any, properties: Any) -> Kept:
+    """Find what a scene's entry refers to: a surface of this process, or a table's file."""
+    key = int(properties.get("kept", -1))
+    if key >= 0:
+        return _kept[key]
+    texts = {
+        name: [float(word) for word in properties.get(name, start).split()]
+        for name, start in (("diffuse", "0 0 0"), ("fresnel", "1 1 1 1 1 1"), ("window", ""))
+    }
+    material = Material(
+        texts["diffuse"],
+        float(properties.get("specular", 0.0)),
+        float(properties.get("roughness", 0.1)),
+        float(properties.get("diffraction", 1.0)),
+        np.array(texts["fresnel"]).reshape(-1, 3),
+        properties.get("geometry", "one"),
+        (texts["window"][0], texts["window"][1]) if texts["window"] else None,
+    )
+    place = mitsuba.file_resolver().resolve(properties["table"])
+    return Kept(read_table(str(place)), material)
 
-    def __init__(self, mitsuba: Any, properties: Any) -> None:
-        self.mitsuba, self.dr = mitsuba, importlib.import_module("drjit")
-        table = _tables[int(properties["table"])]
-        self.weight = 4.0 * np.pi**2 * float(properties["diffraction"])
-        self.f0, self.diffuse = (
-            mitsuba.Color3f(*(float(properties[f"{name}_{channel}"]) for channel in "rgb"))
-            for name in ("f0", "diffuse")
+
+def _lobes_of(mitsuba: Any, kept: Kept) -> Lobes:
+    """Refuse a surface that the variant has no light for."""
+    spectral = "spectral" in mitsuba.variant()
+    if spectral and not kept.patterns:
+        raise refuse.Refusal(
+            "'table' holds a light's spectrum already; spectral variants want patterns, tables 'llvm_ad_rgb'."
         )
-        self.half_range, self.warp = float(table.half_range), int(table.warp)
-        colours = np.ascontiguousarray(rgb(table)[::-1])
-        self.size = mitsuba.Vector2f(colours.shape[1], colours.shape[0])
-        dr = self.dr
-        self.texture = mitsuba.Texture2f(
-            mitsuba.TensorXf(colours), wrap_mode=dr.WrapMode.Clamp, filter_mode=dr.FilterMode.Linear
-        )
-        self.lobe = mitsuba.MarginalContinuous2D0(sampling_density(table))
-
-    def place_of(self, h: Any) -> Any:
-        """Find h on the unit square: u from -1 to 1 put to 0..1."""
-        dr = self.dr
-        u = dr.power(dr.abs(h) / self.half_range, 1.0 / self.warp)
-        return 0.5 + 0.5 * self.mitsuba.Point2f(dr.mulsign(u.x, h.x), dr.mulsign(u.y, h.y))
-
-    def drawn(self, wi: Any, sample: Any) -> tuple[Any, Any]:
-        """Draw h by the table: the direction it goes to, and whether that is above the surface."""
-        dr, place = self.dr, self.lobe.sample(sample)[0]
-        u = 2.0 * place - 1.0
-        h = self.half_range * dr.power(dr.abs(u), self.warp)
-        x, y = dr.mulsign(h.x, u.x) - wi.x, dr.mulsign(h.y, u.y) - wi.y
-        rest = 1.0 - x * x - y * y
-        return self.mitsuba.Vector3f(x, y, dr.safe_sqrt(rest)), rest > 0.0
-
-    def reflected(self, wi: Any, wo: Any) -> Any:
-        """Return f_r cos."""
-        dr, sum_ = self.dr, wi + wo
-        h = self.mitsuba.Point2f(sum_.x, sum_.y)
-        inside = (dr.abs(h.x) <= self.half_range) & (dr.abs(h.y) <= self.half_range)
-        # The table's outer samples lie on its border, a texture's half a sample within it.
-        place = (self.place_of(h) * (self.size - 1.0) + 0.5) / self.size
-        colour = self.mitsuba.Color3f(*self.texture.eval(place))
-        cosine = dr.clip(0.5 * dr.norm(sum_), 0.0, 1.0)
-        fresnel = self.f0 + (1.0 - self.f0) * dr.power(1.0 - cosine, 5)
-        scattered = dr.select(inside, self.weight * fresnel * fresnel * colour, 0.0)
-        return (self.diffuse * dr.inv_pi + scattered) * wo.z
-
-    def density(self, wi: Any, wo: Any) -> Any:
-        """Density over solid angle: over u, times du/dh of both axes, times cos (ds = cos dω)."""
-        dr, sum_ = self.dr, wi + wo
-        h = self.mitsuba.Point2f(sum_.x, sum_.y)
-        inside = (dr.abs(h.x) <= self.half_range) & (dr.abs(h.y) <= self.half_range)
-        place = self.place_of(h)
-        u = 2.0 * place - 1.0
-        stretch = 2.0 * self.half_range * self.warp * dr.power(dr.abs(u), self.warp - 1)
-        area = dr.maximum(stretch.x, 1e-12) * dr.maximum(stretch.y, 1e-12)
-        by_table = dr.select(inside, self.lobe.eval(place) / area, 0.0)
-        return wo.z * ((1.0 - _COSINE_SHARE) * by_table + _COSINE_SHARE * dr.inv_pi)
+    if kept.patterns and not spectral:
+        raise refuse.Refusal("'table' must be a table in a variant of RGB; patterns want 'llvm_ad_spectral'.")
+    return SpectralLobes(mitsuba, kept) if spectral else Lobes(mitsuba, kept)
 
 
 def _register(mitsuba: Any) -> None:
@@ -266,11 +260,11 @@ def _register(mitsuba: Any) -> None:
     dr = importlib.import_module("drjit")
 
     class SurfaceBSDF(mitsuba.BSDF):  # type: ignore[misc]
-        """f_r = diffuse / π + 4π² F² S_d(h), sampled by the table and a cosine lobe."""
+        """The material of `scene.render`, drawn by its own lobes."""
 
         def __init__(self, properties: Any) -> None:
             super().__init__(properties)
-            self.of = _Reflectance(mitsuba, properties)
+            self.of = _lobes_of(mitsuba, _surface_of(mitsuba, properties))
             flags = mitsuba.BSDFFlags
             flag = flags.GlossyReflection | flags.FrontSide | flags.BackSide | flags.Anisotropic
             self.m_components, self.m_flags = [flag], flag
@@ -278,22 +272,26 @@ def _register(mitsuba: Any) -> None:
         def traverse(self, callback: Any) -> None:
             """Offer nothing: a table is not a parameter to be optimised."""
 
+        def turned(self, si: Any, direction: Any) -> Any:
+            """Turn a back side up, with t and b where they were; b follows the texture's v."""
+            b = dr.mulsign(direction.y, dr.dot(dr.cross(si.n, si.dp_du), si.dp_dv))
+            return mitsuba.Vector3f(direction.x, b, dr.abs(direction.z))
+
         def sample(self, context: Any, si: Any, sample1: Any, sample2: Any, active: Any = True) -> Any:
             """Draw a direction; its weight is f_r cos / p."""
-            wi = mitsuba.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
-            by_table = sample1 >= _COSINE_SHARE
-            scattered, above = self.of.drawn(wi, sample2)
-            wo = dr.select(by_table, scattered, mitsuba.warp.square_to_cosine_hemisphere(sample2))
-            active &= (wi.z > 0.0) & (wo.z > 0.0) & (~by_table | above)
+            wi = self.turned(si, si.wi)
+            wo, above = self.of.drawn(wi, sample1, sample2)
+            active &= above & (wi.z > 0.0)
             density = dr.select(active, self.of.density(wi, wo), 0.0)
             found = dr.zeros(mitsuba.BSDFSample3f)
-            found.wo = mitsuba.Vector3f(wo.x, wo.y, wo.z * mitsuba.Float(dr.sign(si.wi.z)))
+            out = self.turned(si, wo)
+            found.wo = mitsuba.Vector3f(out.x, out.y, dr.mulsign(wo.z, si.wi.z))
             found.pdf = density
             found.eta = 1.0
             found.sampled_type = mitsuba.UInt32(+self.m_flags)
             found.sampled_component = 0
             active &= density > 0.0
-            return found, dr.select(active, self.of.reflected(wi, wo) / density, 0.0)
+            return found, dr.select(active, self.of.reflected(wi, wo, si) / density, 0.0)
 
         def eval(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
             """Return f_r cos."""
@@ -304,16 +302,15 @@ def _register(mitsuba: Any) -> None:
             return self.eval_pdf(context, si, wo, active)[1]
 
         def eval_pdf(self, context: Any, si: Any, wo: Any, active: Any = True) -> Any:
-            """Turn a back side up, and return both; directions on two sides see nothing of each other."""
+            """Return both; directions on two sides see nothing of each other."""
             active &= si.wi.z * wo.z > 0.0
-            wi = mitsuba.Vector3f(si.wi.x, si.wi.y, dr.abs(si.wi.z))
-            out = mitsuba.Vector3f(wo.x, wo.y, dr.abs(wo.z))
-            value = dr.select(active, self.of.reflected(wi, out), 0.0)
+            wi, out = self.turned(si, si.wi), self.turned(si, wo)
+            value = dr.select(active, self.of.reflected(wi, out, si), 0.0)
             return value, dr.select(active, self.of.density(wi, out), 0.0)
 
         def to_string(self) -> str:
             """Name the plugin."""
-            return f"{PLUGIN}[{int(self.of.size.x[0])} x {int(self.of.size.y[0])}]"
+            return PLUGIN
 
     mitsuba.register_bsdf(PLUGIN, SurfaceBSDF)
 
@@ -340,10 +337,3 @@ def _tried(variant: str, environment: dict[str, str]) -> str | None:
 def _llvm_libraries() -> Sequence[str]:
     """List LLVM's libraries on this machine, the newest name first."""
     return sorted({path for place in _LLVM_PLACES for path in glob.glob(place)}, reverse=True)
-
-
-def _reflectance(name: str, value: ArrayLike) -> list[float]:
-    colour = np.broadcast_to(refuse.all_finite(name, value), (3,))
-    if (colour < 0).any() or (colour > 1).any():
-        raise refuse.Refusal(f"'{name}' must lie in 0..1, got {colour.tolist()}.")
-    return [float(part) for part in colour]
