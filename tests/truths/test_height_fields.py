@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.special import jv
 
-from aureole import surface
-from aureole.surface.height import order_powers
-from aureole.surface.table import energy
+from aureole import light, surface
+from aureole.surface.height import order_powers, order_powers_at, spread_orders
+from aureole.surface.table import cells, energy
 
 BLUE = 450e-9
 
@@ -89,3 +89,65 @@ def test_orders_stand_where_the_grating_equation_has_them_and_up_is_up():
     row, column = np.unravel_index(np.argmax(pattern.values), pattern.values.shape)
     h_t, h_b = -2 + column * 0.01, 2 - row * 0.01
     assert (h_t, h_b) == pytest.approx((BLUE / 4e-6, BLUE / 4e-6), abs=0.006)
+
+
+@pytest.mark.parametrize(
+    ("method", "order", "size"), [("exact", 1, (40, 33)), ("born", 1, 32), ("taylor", 4, 33)]
+)
+def test_tables_are_the_sum_of_each_wavelengths_pattern(method, order, size):
+    """Lists of what reaches what and orders mixed from a few, against whole matrices for each wavelength."""
+    field = waves(0.2e-6)
+    table = surface.table_from_height(field, size=size, wavelengths=31, method=method, order=order)
+    rows, columns = table.values.shape[:2]
+    t, b = cells(columns), cells(rows)[:, ::-1]
+    whole = np.zeros(table.values.shape)
+    for wavelength, weight in zip(*light.quadrature(light.illuminant("E"), 31), strict=True):
+        powers = order_powers(field, float(wavelength), method, order)
+        whole += spread_orders(powers, field.pixel, float(wavelength), t, b)[..., None] * weight
+    np.testing.assert_allclose(table.values, whole, atol=1e-6 * whole.max())
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.1e-6, 3e-6])
+def test_orders_at_a_few_wavelengths_tell_those_at_all(depth):
+    field = waves(depth) if depth else surface.height_field(np.zeros((6, 8)), 0.1e-6)
+    wavelengths = np.linspace(380e-9, 780e-9, 101)
+    powers, mixture = order_powers_at(field, wavelengths)
+    assert len(powers) < 101
+    for k in (0, 13, 50, 100):
+        mixed = np.tensordot(mixture[k], powers, axes=1)
+        np.testing.assert_allclose(mixed, order_powers(field, wavelengths[k]), atol=1e-9)
+
+
+def test_wavelengths_of_a_table_are_close_enough():
+    field = waves(0.2e-6)
+    chosen, many = (
+        surface.table_from_height(field, size=257, wavelengths=count).values for count in (None, 700)
+    )
+    bright = many > 1e-4 * many.max()
+    assert np.quantile(np.abs(chosen[bright] / many[bright] - 1.0), 0.99) < 0.01
+
+
+def test_a_shader_reads_tables_of_powers_as_their_sum():
+    tables = surface.taylor_tables(waves(0.1e-6), order=2, size=33, wavelengths=5)
+    h_t, h_b = np.meshgrid([-0.9, 0.0, 0.31], [0.2, 1.1])
+    for cosines in (2.0, 1.1):
+        found = tables.lookup(h_t, h_b, cosines)
+        np.testing.assert_allclose(found, surface.lookup(tables.table_at(cosines), h_t, h_b), rtol=1e-5)
+    mixed = tables.lookup(h_t, h_b, np.full(h_t.shape, 1.1))
+    np.testing.assert_array_equal(mixed, found)
+    assert not tables.lookup(2.1, 0.0, 1.0).any()
+
+
+def test_the_panels_of_figure_13_come_nearer_to_the_exact_one():
+    """Orders 1, 2 and 5 of a field that order 5 is enough for."""
+    *series, exact = surface.series_tables(waves(0.07e-6), size=33)
+    errors = [float(np.abs(one.values - exact.values).sum()) for one in series]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[2] < 0.05 * errors[0]
+    assert [one.metadata["order"] for one in series] == [1, 2, 5]
+    assert ["notes" in one.metadata for one in series] == [True, True, False]
+    # What the table says it errs by is what the orders do.
+    for one in series:
+        shortest = float(light.quadrature(light.illuminant("E"), one.metadata["wavelengths"])[0].min())
+        error = surface.taylor_error(waves(0.07e-6), shortest, one.metadata["order"])
+        assert one.metadata["series_error"] == error

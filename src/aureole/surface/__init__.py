@@ -32,7 +32,9 @@ From formulas and heights:
 - `gratings.py`: `Grating` from lines: discs, displays, blazed, crossed, radial; where orders go.
 - `grating_tables.py`: from a grating to a table.
 - `height.py`: what a height field sends where, at one wavelength; how wrong a series is.
-- `height_tables.py`: from a height field to a table, or to Dhillon's tables of a Taylor series.
+- `order_sums.py`: lobes of a field's orders added up over all wavelengths.
+- `height_tables.py`: from a height field to a table.
+- `taylor_tables.py`: from a height field to Dhillon's tables of a Taylor series, one for each power of w.
 
 Drawn:
 - `views.py`: where a picture is taken from.
@@ -99,11 +101,10 @@ from aureole.surface.gratings import (
 from aureole.surface.hdr_merge import Merged, estimate_black, merge
 from aureole.surface.height import HeightField, height_field, taylor_error, taylor_order
 from aureole.surface.height_tables import (
-    TaylorTables,
     height_pattern,
+    series_tables,
     table_from_height,
     table_from_height_stages,
-    taylor_tables,
 )
 from aureole.surface.integrate import METHODS, table_from_pattern, table_from_pattern_stages
 from aureole.surface.lamps import Lamp, area_lamp, distant_lamp, point_lamp
@@ -128,6 +129,7 @@ from aureole.surface.shapes import Cylinder, Disc, Mesh, Plane, Pose, Seen, pose
 from aureole.surface.slits import Lines, multislit
 from aureole.surface.table import MODELS, ScatterTable, lookup, rgb, scatter_table
 from aureole.surface.table_files import read_table, sidecar_of, write_table
+from aureole.surface.taylor_tables import TaylorTables, taylor_tables, taylor_tables_stages
 from aureole.surface.views import View, view_from
 from aureole.surface.virtual import VirtualCamera, lcd_screen, photograph
 from aureole.surface.zero_order import ZeroOrder, split_zero_order
@@ -228,6 +230,7 @@ __all__ = [
     "scatter_table",
     "schlick",
     "see",
+    "series_tables",
     "shade",
     "shader",
     "sharpen",
@@ -249,6 +252,7 @@ __all__ = [
     "taylor_error",
     "taylor_order",
     "taylor_tables",
+    "taylor_tables_stages",
     "view_from",
     "write_glsl",
     "write_gltf",

@@ -169,7 +169,9 @@ def needed_wavelengths(
             h = axis(count, half_range, warp)
             low, high = cells(count, half_range, warp)
             width = np.maximum(high - low, SHORTEST / length)
-            step = SHORTEST * 0.5 * float(np.min(width[h > 0] / h[h > 0]))
+            # The outermost cells are halves, which says nothing about how far wavelengths may lie apart.
+            within = (h > 0) & (h < half_range)
+            step = SHORTEST * 0.5 * float(np.min((width / np.where(within, h, 1.0))[within], initial=1.0))
             need = max(need, math.ceil((LONGEST - SHORTEST) / step) + 1)
     return min(need, MOST_WAVELENGTHS)
 

@@ -17,11 +17,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 
 from aureole import refuse
 from aureole.surface.gratings import normal_mean
+from aureole.surface.order_sums import lobe_deviation
 
 METHODS = ("exact", "born", "taylor", "amplitude")
 # Coherence length of white light (Mashaal et al. 2012), as Toisoul and Ghosh 2017 use it.
@@ -119,6 +121,59 @@ def order_powers(
     return np.asarray(spectrum.real**2 + spectrum.imag**2)
 
 
+def order_powers_at(
+    field: HeightField, wavelengths: Array, method: str = "exact", order: int = 1, cosines: float = 2.0
+) -> tuple[Array, Array]:
+    """Return powers of orders at a few wavelengths, and how to mix them for many.
+
+    |c|² is a polynomial in k = 2π / λ for a series, of twice its order, and all but one for exp(i k w z): it
+    has no waves faster than the highest less the lowest z. So Chebyshev's points in k give all wavelengths.
+
+    Parameters
+    ----------
+    field : HeightField
+        One period.
+    wavelengths : ndarray of float64, shape (W,)
+        Metres.
+    method, order, cosines : see there
+        As for `order_powers`.
+
+    Returns
+    -------
+    powers : ndarray of float64, shape (P, rows, columns)
+        As of `order_powers`, P at most W.
+    mixture : ndarray of float64, shape (W, P)
+        The powers at wavelength k are Σ_p mixture[k, p] powers[p], to 1e-9 of the light.
+    """
+    if method == "amplitude":
+        one = order_powers(field, float(wavelengths[0]), method)
+        return one[None], np.ones((wavelengths.size, 1))
+    low, high = 2.0 * np.pi / wavelengths.max(), 2.0 * np.pi / wavelengths.min()
+    if method == "exact":
+        count = _chebyshev_terms(0.5 * (high - low) * cosines * float(np.ptp(field.heights)))
+    else:
+        count = 2 * (order if method == "taylor" else 1) + 1
+    if count >= wavelengths.size:
+        chosen, mixture = wavelengths, np.eye(wavelengths.size)
+    else:
+        places = np.cos(np.pi * (np.arange(count) + 0.5) / count)
+        chosen = 2.0 * np.pi / (0.5 * (high + low) + 0.5 * (high - low) * places)
+        wanted = (2.0 * np.pi / wavelengths - 0.5 * (high + low)) / (0.5 * (high - low))
+        scale = np.where(np.arange(count) > 0, 2.0, 1.0) / count
+        mixture = (chebvander(wanted, count - 1) * scale) @ chebvander(places, count - 1).T
+    powers = np.stack([order_powers(field, float(one), method, order, cosines) for one in chosen])
+    return powers, np.asarray(mixture)
+
+
+def _chebyshev_terms(reach: float) -> int:
+    """Return how many Chebyshev polynomials give exp(i reach x) for x from −1 to 1 to 1e-10."""
+    count = max(4, math.ceil(reach))
+    # Coefficients are Bessel functions J_n(reach), below (e reach / 2n)ⁿ.
+    while (0.5 * math.e * reach / count) ** count > 1e-10:
+        count += 1
+    return count
+
+
 def phases(field: HeightField, wavelength: float, cosines: float = 2.0) -> Array:
     """Return k w z from the middle between the lowest and the highest, where a series converges soonest.
 
@@ -209,7 +264,7 @@ def spread_orders(
 ) -> Array:
     """Return the mean of a pattern over cells of h, each order a Gaussian.
 
-    A window of standard deviation σ makes an order a Gaussian of λ / (2√2 π σ) in h.
+    Whole matrices for one wavelength: the reference of `order_sums.add_lobes`.
 
     Parameters
     ----------
@@ -229,7 +284,7 @@ def spread_orders(
     ndarray of float64, shape (R, C)
         S in 1/sr.
     """
-    deviation = wavelength / (2.0 * math.sqrt(2.0) * math.pi * 0.25 * coherence)
+    deviation = lobe_deviation(wavelength, coherence)
     along_t, columns = _lobes(powers.shape[1], pixel, wavelength, t_cells, deviation, 1.0)
     # Rows of the field run downward, b upward.
     along_b, rows = _lobes(powers.shape[0], pixel, wavelength, b_cells, deviation, -1.0)

@@ -1,12 +1,10 @@
-"""From a height field to a look-up table, and to Dhillon's tables of a Taylor series.
+"""From a height field to a look-up table.
 
 Each wavelength has its own orders and its own pattern, so nothing is extrapolated from one wavelength to
 another. A series that is too short for the heights is told in the table's notes.
 """
 
-import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,18 +16,18 @@ from aureole.records import Spectrum, Stage
 from aureole.surface.grating_tables import needed_wavelengths
 from aureole.surface.height import (
     COHERENCE,
-    HIGHEST_ORDER,
     METHODS,
     TOLERANCE,
     HeightField,
     height_field,
     order_powers,
-    phases,
+    order_powers_at,
     spread_orders,
     taylor_error,
     taylor_order,
 )
 from aureole.surface.integrate import as_spectrum, checked_size
+from aureole.surface.order_sums import REACH, add_lobes, lobe_deviation, lobes
 from aureole.surface.pattern import DiffractionPattern, diffraction_pattern
 from aureole.surface.table import (
     HALF_RANGE,
@@ -39,47 +37,20 @@ from aureole.surface.table import (
     cells,
     checked_half_range,
     checked_warp,
+    refuse_too_large,
     scatter_table,
 )
 
 HEIGHT_SIZE = 1024
+# Bytes of orders that are mixed at once.
+BLOCK = 128e6
+# What a sample of a field and of a table takes while they are worked on: transforms; sums and the table.
+FIELD_BYTES, TABLE_BYTES = 48, 48
+# Figure 13 of Toisoul and Ghosh 2017.
+FIGURE_ORDERS = (1, 2, 5)
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class TaylorTables:
-    """Tables of the powers of w = cos θ_i + cos θ_o: S_d(h) = Σ_p w^p I_p(h) (Dhillon et al. 2014).
-
-    Parameters
-    ----------
-    values : ndarray of float64, shape (2N + 1, rows, columns, 3)
-        I_p in X, Y, Z; of both signs.
-    order : int
-        N, the last power of the series.
-    table : ScatterTable
-        Their sum at w = 2, with the axes and the light of all.
-    """
-
-    values: Array
-    order: int
-    table: ScatterTable
-
-    def at(self, cosines: float) -> Array:
-        """Return S_d for one sum of cosines.
-
-        Parameters
-        ----------
-        cosines : float
-            w = cos θ_i + cos θ_o, 0 to 2.
-
-        Returns
-        -------
-        ndarray of float64, shape (rows, columns, 3)
-            X, Y, Z.
-        """
-        powers = refuse.between("cosines", cosines, 0.0, 2.0) ** np.arange(len(self.values))
-        return np.asarray(np.tensordot(powers, self.values, axes=1))
+Axes = tuple[Spectrum, tuple[Array, Array], Array, Array]
 
 
 def height_pattern(
@@ -120,7 +91,7 @@ def height_pattern(
     refuse.Refusal
         Where an input is not as described.
     """
-    field = _field(heights, pixel)
+    field = as_field(heights, pixel)
     rows, columns = checked_size(size)
     refuse.positive("coherence", coherence)
     powers = order_powers(field, wavelength, method, order, cosines)
@@ -232,100 +203,176 @@ def table_from_height_stages(
     Stage
         The last one holds the table.
     """
-    field = _field(heights, pixel)
+    field = as_field(heights, pixel)
     refuse.one_of("method", method, METHODS)
     refuse.one_of("zero_order", zero_order, ZERO_ORDERS)
-    lamp, quadrature, t, b = _axes(spectrum, size, half_range, warp, wavelengths, coherence)
     refuse.between("cosines", cosines, 0.0, 2.0)
+    refuse_too_large("heights", field.heights.shape, FIELD_BYTES)
+    lamp, quadrature, t, b = height_axes(spectrum, size, half_range, warp, wavelengths, coherence)
+    yield Stage(0.0, "transforming heights")
+    powers, mixture = order_powers_at(field, quadrature[0], method, order, cosines)
+    specular = (mixture @ powers[:, 0, 0]) @ quadrature[1]
+    if zero_order != "keep":
+        powers[:, 0, 0] = 0.0
     planes = np.zeros((3, b.shape[1], t.shape[1]))
-    specular = np.zeros(3)
-    for index, (wavelength, weight) in enumerate(zip(*quadrature, strict=True)):
-        yield Stage(index / quadrature[0].size, "adding wavelengths")
-        powers = order_powers(field, float(wavelength), method, order, cosines)
-        specular += powers[0, 0] * weight
-        if zero_order != "keep":
-            powers[0, 0] = 0.0
-        pattern = spread_orders(powers, field.pixel, float(wavelength), t, b, coherence)
-        for channel in range(3):
-            planes[channel] += weight[channel] * pattern
+    for done in spread(powers, mixture, field.pixel, quadrature, (t, b), coherence, planes):
+        yield Stage(0.1 + 0.85 * done, "adding wavelengths")
     metadata: dict[str, Any] = {"heights": field.name, "method": method, "wavelengths": quadrature[0].size}
     if zero_order == "specular":
         metadata["zero_order_energy"] = tuple(float(part) for part in specular)
-    metadata |= _series_facts(field, float(quadrature[0].min()), method, order, cosines)
+    metadata |= series_facts(field, float(quadrature[0].min()), method, order, cosines)
     values, white = np.moveaxis(planes, 0, -1), light.white(lamp)
     table = scatter_table(values, white, half_range, warp, lamp.name, "function", zero_order, metadata)
     yield Stage(1.0, "table", table)
 
 
-def taylor_tables(
+def series_tables(
     heights: HeightField | ArrayLike,
     pixel: float | None = None,
-    order: int = 1,
+    orders: tuple[int, ...] = FIGURE_ORDERS,
     spectrum: Spectrum | str = "E",
-    size: int | tuple[int, int] = 256,
+    size: int | tuple[int, int] = HEIGHT_SIZE,
     half_range: float = HALF_RANGE,
     warp: int = WARP,
-    wavelengths: int | None = None,
+    zero_order: str = "keep",
     coherence: float = COHERENCE,
-) -> TaylorTables:
-    """Make Dhillon's tables: one for each power of w, so that one set serves all directions.
-
-    I_p = Σ_{n + m = p} k^p / (n! m!) Re(F_n F_m*) with F_n the transform of (i z)ⁿ: 2N + 1 tables of order N.
+) -> list[ScatterTable]:
+    """Make one height field's tables by Taylor series of rising order, and the exact one (Fig. 13).
 
     Parameters
     ----------
     heights, pixel : see there
         As for `table_from_height`.
-    order : int
-        N, the last power of the series.
-    spectrum, size, half_range, warp, wavelengths, coherence : see there
+    orders : tuple of int
+        Of the series.
+    spectrum, size, half_range, warp, zero_order, coherence : see there
         As for `table_from_height`.
 
     Returns
     -------
-    TaylorTables
-        2N + 1 tables.
+    list of ScatterTable
+        One for each order, then the exact one. Where the heights are too large for an order its table is too
+        bright, and its metadata say so in "series_error" and "notes".
 
     Raises
     ------
     refuse.Refusal
         Where an input is not as described.
     """
-    field = _field(heights, pixel)
-    refuse.between("order", refuse.at_least("order", order, 1), 1, HIGHEST_ORDER)
-    lamp, quadrature, t, b = _axes(spectrum, size, half_range, warp, wavelengths, coherence)
-    values = np.zeros((2 * order + 1, b.shape[1], t.shape[1], 3))
-    for wavelength, weight in zip(*quadrature, strict=True):
-        for power, terms in enumerate(_series_terms(field, float(wavelength), order)):
-            pattern = spread_orders(terms, field.pixel, float(wavelength), t, b, coherence)
-            values[power] += pattern[..., None] * weight
-    metadata = {"heights": field.name, "method": "taylor", "wavelengths": quadrature[0].size}
-    metadata |= _series_facts(field, float(quadrature[0].min()), "taylor", order, 2.0)
-    whole = np.tensordot(2.0 ** np.arange(2 * order + 1), values, axes=1)
-    white = light.white(lamp)
-    table = scatter_table(whole, white, half_range, warp, lamp.name, "function", "keep", metadata)
-    return TaylorTables(values, order, table)
+    rest = (spectrum, size, half_range, warp, None)
+    tables = [
+        table_from_height(heights, pixel, *rest, "taylor", order, zero_order, coherence=coherence)
+        for order in orders
+    ]
+    return [*tables, table_from_height(heights, pixel, *rest, "exact", 1, zero_order, coherence=coherence)]
 
 
-def _series_terms(field: HeightField, wavelength: float, order: int) -> list[Array]:
-    """Return I_p over the orders for p from 0 to 2N."""
-    phase = phases(field, wavelength, 1.0)
-    transforms = [fft.fft2((1j * phase) ** n / math.factorial(n), norm="forward") for n in range(order + 1)]
-    terms = []
-    for power in range(2 * order + 1):
-        pairs = range(max(0, power - order), min(order, power) + 1)
-        terms.append(
-            np.asarray(
-                sum((transforms[n] * transforms[power - n].conj()).real for n in pairs), dtype=np.float64
-            )
-        )
-    return terms
+def spread(
+    powers: Array,
+    mixture: Array,
+    pixel: float,
+    quadrature: tuple[Array, Array],
+    cells: tuple[Array, Array],
+    coherence: float,
+    out: Array,
+) -> Iterator[float]:
+    """Add orders' lobes to a table, the orders of each wavelength mixed from those of a few.
+
+    Parameters
+    ----------
+    powers : ndarray of float64, shape (P, rows, columns)
+        As `order_powers_at` gives them.
+    mixture : ndarray of float64, shape (W, P)
+        How each wavelength mixes them.
+    pixel : float
+        Of the field, metres.
+    quadrature : tuple of ndarray of float64, shape (W,) and (W, 3)
+        Wavelengths and weights for X, Y and Z.
+    cells : tuple of ndarray of float64, shape (2, C) and (2, R)
+        Of the table, along t and b.
+    coherence : float
+        Metres.
+    out : ndarray of float64, shape (3, R, C)
+        Is added to.
+
+    Yields
+    ------
+    float
+        Share done.
+    """
+    wavelengths, weights = quadrature
+    powers, frequencies = reaching(powers, pixel, wavelengths, cells, coherence)
+    shape = powers.shape[1:]
+    step = max(1, int(BLOCK / (8.0 * max(1, shape[0] * shape[1]))))
+    for start in range(0, wavelengths.size, step):
+        part = slice(start, min(start + step, wavelengths.size))
+        # Interpolated powers may fall short of 0 by rounding.
+        mixed = np.maximum(mixture[part] @ powers.reshape(len(powers), -1), 0.0).reshape(-1, *shape)
+        where = lobes(frequencies, wavelengths[part], cells, coherence)
+        wanted = np.arange(len(mixed))
+        for done in add_lobes(mixed, wanted, weights[part], where, out):
+            yield (start + done * (part.stop - start)) / wavelengths.size
 
 
-def _series_facts(
+def reaching(
+    powers: Array, pixel: float, wavelengths: Array, cells: tuple[Array, Array], coherence: float
+) -> tuple[Array, tuple[Array, Array]]:
+    """Lay orders out by where they go, without those that no wavelength sends into the table.
+
+    Parameters
+    ----------
+    powers : ndarray of float64, shape (P, rows, columns)
+        In the order of `scipy.fft.fftfreq`.
+    pixel : float
+        Metres.
+    wavelengths : ndarray of float64, shape (W,)
+        Metres.
+    cells : tuple of ndarray of float64, shape (2, C) and (2, R)
+        Of the table, along t and b.
+    coherence : float
+        Metres.
+
+    Returns
+    -------
+    powers : ndarray of float64, shape (P, M, N)
+        Rising along both axes.
+    frequencies : tuple of ndarray of float64, shape (N,) and (M,)
+        Of the columns and of the rows, 1/m.
+    """
+    shortest, longest = float(wavelengths.min()), float(wavelengths.max())
+    kept, frequencies = [], []
+    for count, ends in zip(powers.shape[1:], cells[::-1], strict=True):
+        rising = fft.fftshift(fft.fftfreq(count, pixel))
+        reach = np.abs(ends).max() + REACH * lobe_deviation(longest, coherence)
+        inside = np.flatnonzero(np.abs(rising) * shortest < reach)
+        kept.append(fft.fftshift(np.arange(count))[inside])
+        frequencies.append(rising[inside])
+    return np.ascontiguousarray(powers[:, kept[0][:, None], kept[1]]), (frequencies[1], frequencies[0])
+
+
+def series_facts(
     field: HeightField, wavelength: float, method: str, order: int, cosines: float
 ) -> dict[str, Any]:
-    """Return how wrong a series is at the shortest wavelength, and a note where that is too much."""
+    """Say how wrong a series is at the shortest wavelength, with a note where that is too much.
+
+    Parameters
+    ----------
+    field : HeightField
+        Heights.
+    wavelength : float
+        The shortest, metres.
+    method : str
+        Only "born" and "taylor" are series.
+    order : int
+        Of "taylor".
+    cosines : float
+        w.
+
+    Returns
+    -------
+    dict
+        "order", "series_error", and "notes" where the error is above 1 %; empty without a series.
+    """
     if method not in ("born", "taylor"):
         return {}
     used = 1 if method == "born" else order
@@ -343,7 +390,26 @@ def _series_facts(
     return facts
 
 
-def _field(heights: HeightField | ArrayLike, pixel: float | None) -> HeightField:
+def as_field(heights: HeightField | ArrayLike, pixel: float | None) -> HeightField:
+    """Return a height field given by itself or by numbers.
+
+    Parameters
+    ----------
+    heights : HeightField or array_like
+        Metres.
+    pixel : float or None
+        Metres; None where the field knows it.
+
+    Returns
+    -------
+    HeightField
+        The field.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the pixel is not known, or an input is not as described.
+    """
     if isinstance(heights, HeightField):
         return height_field(heights.heights, heights.pixel if pixel is None else pixel, heights.name)
     if pixel is None:
@@ -351,16 +417,37 @@ def _field(heights: HeightField | ArrayLike, pixel: float | None) -> HeightField
     return height_field(heights, pixel)
 
 
-def _axes(
+def height_axes(
     spectrum: Spectrum | str,
     size: int | tuple[int, int],
     half_range: float,
     warp: int,
     wavelengths: int | None,
     coherence: float,
-) -> tuple[Spectrum, tuple[Array, Array], Array, Array]:
-    """Return the light, its wavelengths and weights, and the table's cells along t and b."""
+) -> Axes:
+    """Return what a table is summed over.
+
+    Parameters
+    ----------
+    spectrum, size, half_range, warp, wavelengths, coherence : see there
+        As for `table_from_height`.
+
+    Returns
+    -------
+    lamp : Spectrum
+        The light.
+    quadrature : tuple of ndarray
+        Its wavelengths (W,) and weights (W, 3).
+    t, b : ndarray of float64, shape (2, C) and (2, R)
+        The table's cells.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where an input is not as described, or the table would not fit in memory.
+    """
     rows, columns = checked_size(size)
+    refuse_too_large("size", (rows, columns), TABLE_BYTES)
     checked_half_range(half_range)
     checked_warp(warp)
     refuse.positive("coherence", coherence)

@@ -6,6 +6,7 @@ u even from −1 to 1, both ends being samples, and n the odd warp: orders crowd
 run along the tangent t to the right; rows along the bitangent b, which points up: row 0 is +half_range.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aureole import light, refuse
+from aureole import light, picture, refuse
 
 MODELS = {"phase": 4, "amplitude": 2, "paper": 2}
 ZERO_ORDERS = ("keep", "remove", "specular")
@@ -159,6 +160,31 @@ def checked_warp(warp: int) -> int:
     return int(warp)
 
 
+def refuse_too_large(name: str, shape: tuple[int, ...], bytes_per_sample: float) -> None:
+    """Refuse what would need more memory than three quarters of what is free.
+
+    Parameters
+    ----------
+    name : str
+        The argument that says how large it is.
+    shape : tuple of int
+        Rows and columns.
+    bytes_per_sample : float
+        That the work takes for each.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where it does not fit.
+    """
+    needed, allowed = bytes_per_sample * math.prod(shape), picture.allowed_memory()
+    if needed > allowed:
+        raise refuse.Refusal(
+            f"'{name}' of {' x '.join(map(str, shape))} needs {needed / 1e9:.3g} GB of memory; "
+            f"{allowed / 1e9:.3g} GB may be used. Take fewer samples."
+        )
+
+
 def axis(count: int, half_range: float = HALF_RANGE, warp: int = WARP) -> NDArray[np.float64]:
     """Return h of a table's samples along one axis, rising.
 
@@ -278,17 +304,43 @@ def lookup(table: ScatterTable, h_t: ArrayLike, h_b: ArrayLike) -> NDArray[np.fl
     ndarray of float32, shape (..., 3)
         X, Y, Z of S_d; zero outside the table.
     """
-    across, down = np.broadcast_arrays(
-        unwarp(h_t, table.half_range, table.warp), -unwarp(h_b, table.half_range, table.warp)
-    )
+    found = bilinear(table.values, h_t, h_b, table.half_range, table.warp)
+    return np.asarray(found, dtype=np.float32)
+
+
+def bilinear(
+    values: NDArray[np.floating],
+    h_t: ArrayLike,
+    h_b: ArrayLike,
+    half_range: float = HALF_RANGE,
+    warp: int = WARP,
+) -> NDArray[np.float64]:
+    """Read numbers that are laid out as a table's, bilinear in the warped coordinates u.
+
+    Parameters
+    ----------
+    values : ndarray, shape (rows, columns, K)
+        Any numbers.
+    h_t, h_b : array_like
+        Components of h along tangent and bitangent, of shapes that broadcast.
+    half_range : float
+        h of the outermost samples.
+    warp : int
+        n of h = half_range · uⁿ.
+
+    Returns
+    -------
+    ndarray of float64, shape (..., K)
+        Zero outside.
+    """
+    across, down = np.broadcast_arrays(unwarp(h_t, half_range, warp), -unwarp(h_b, half_range, warp))
     inside = (np.abs(across) <= 1.0) & (np.abs(down) <= 1.0)
-    rows, columns = table.values.shape[:2]
-    i, t_row = _split(down, rows)
-    j, t_column = _split(across, columns)
-    upper = (1 - t_column) * table.values[i, j] + t_column * table.values[i, j + 1]
-    lower = (1 - t_column) * table.values[i + 1, j] + t_column * table.values[i + 1, j + 1]
+    i, t_row = _split(down, values.shape[0])
+    j, t_column = _split(across, values.shape[1])
+    upper = (1 - t_column) * values[i, j] + t_column * values[i, j + 1]
+    lower = (1 - t_column) * values[i + 1, j] + t_column * values[i + 1, j + 1]
     found = (1 - t_row) * upper + t_row * lower
-    return np.asarray(np.where(inside[..., None], found, 0.0), dtype=np.float32)
+    return np.asarray(np.where(inside[..., None], found, 0.0), dtype=np.float64)
 
 
 def rgb(table: ScatterTable, space: str = "rec709") -> NDArray[np.float32]:
