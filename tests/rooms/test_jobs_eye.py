@@ -9,8 +9,8 @@ import pytest
 from aureole import Picture, glare, jobs
 from aureole.jobs.contact_sheet import sheet, tile
 from aureole.jobs.eye import description
-from aureole.jobs.eye_frames import FramesResult, frame_stages
 from aureole.jobs.eye_preview import CONTRAST, degree_ticks, eye_brightness
+from aureole.jobs.frames import FramesResult, frame_stages
 from aureole.records import Stage
 from aureole.refuse import Refusal
 
@@ -123,7 +123,7 @@ def run_frames(frames, follow=None):
 
     reports = [{"time_s": k / 4} for k in range(4)]
     stages = list(frame_stages(frames, reports, "grey", make, follow))
-    came = [stage.result for stage in stages if isinstance(stage.result, jobs.EyeFrame)]
+    came = [stage.result for stage in stages if isinstance(stage.result, jobs.Frame)]
     fractions = [stage.fraction for stage in stages]
     assert fractions == sorted(fractions)
     assert isinstance(stages[-1].result, FramesResult)
@@ -182,7 +182,7 @@ def test_an_animation_is_its_states_one_by_one():
     frames, result = [], None
     for stage in jobs.run(job):
         result = stage.result
-        frames += [result] if isinstance(result, jobs.EyeFrame) else []
+        frames += [result] if isinstance(result, jobs.Frame) else []
     assert [frame.number for frame in frames] == [1, 2]
     for frame, time in zip(frames, (0.0, 0.125), strict=True):
         alone = jobs.finish(jobs.run(dataclasses.replace(SMALL, time=time)))
@@ -210,7 +210,7 @@ def animated(job, **how):
     frames, result = [], None
     for stage in jobs.run(jobs.EyeGlareAnimationJob(job, **how)):
         result = stage.result
-        frames += [result] if isinstance(result, jobs.EyeFrame) else []
+        frames += [result] if isinstance(result, jobs.Frame) else []
     return frames, result
 
 

@@ -10,12 +10,17 @@ eye       the command `aureole eye`
 eye_runs  running the eye's jobs and writing their files
 flare     the command `aureole flare`
 lens      the commands `aureole lens`
+surface   the commands `aureole surface`
+surface_runs  running the jobs of diffractive surfaces and writing their files
 bench     the commands `aureole bench`
 options   flags that several commands share
 pupil_options  flags of vanes, dirt and wavefronts
 flare_options  flags of a lens's lights and ghosts
-eye_options    flags of eyes, of what they look at, and of animations
+eye_options    flags of eyes, and of what they look at
 near_options   flags of planes behind an opening, of many distances, and of ringing textures
+surface_options  flags of surfaces and of their tables
+surface_render_options  flags of objects, lamps, cameras and materials
+moving    flags of animations, and the files of their frames
 frames    numbered files: names with ####, lists of frames
 output    progress, reports, and files that appear whole
 views     previews, and mattes read from files

@@ -1,24 +1,22 @@
 """Flags of the eye, shared by the commands `eye` and `glare`, and what they mean."""
 
 import itertools
-from dataclasses import dataclass, fields
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import typer
 
 from aureole import glare, refuse, units
-from aureole.cli import frames
+from aureole.cli.moving import MOVING, MovingFlags
 from aureole.cli.pupil_options import ratio, zernike_term
 from aureole.jobs import QUICK_GRID, Viewer
 
-EYE, WORLD, MOVING, OVER = "Eye", "Eye: what it looks at", "Eye: through time", "Eye: over a picture"
+EYE, WORLD, OVER = "Eye", "Eye: what it looks at", "Eye: over a picture"
 RITSCHEL = "ritschel-2009"
 FIBRES = ("real", RITSCHEL)
 # Pigment p of CIE 135 by the colour of the iris.
 PIGMENTS = {"black": 0.0, "brown": 0.5, "green": 1.0, "light-blue": 1.2}
 FIELD_OF_VIEW = "60deg"
-RATE = 24.0
 
 
 @dataclass(frozen=True)
@@ -49,7 +47,8 @@ class EyeFlags:
         str | None,
         typer.Option(
             "--time",
-            help="Seconds: 1.5, 1.5s or 500ms. The pupil trembles, the lens and the lids move.",
+            help="Seconds: 1.5, 1.5s or 500ms; of the first frame with --animate. The pupil trembles, the "
+            "lens and the lids move.",
             rich_help_panel=WORLD,
         ),
     ] = None
@@ -278,36 +277,17 @@ class OverFlags:
 
 
 @dataclass(frozen=True)
-class AnimationFlags:
-    """The flags of an animation, as text; each field's option teaches its use.
+class AnimationFlags(MovingFlags):
+    """The flags of an eye's animation, as text; each field's option teaches its use.
 
     Parameters
     ----------
-    animate, fps : optional
-        How long, and how many frames a second.
+    animate, fps, frames, overwrite, contact_sheet : optional
+        As for `MovingFlags`.
     luminance_from, luminance_to : optional
         A change of what the eye is adapted to.
-    frames : optional
-        Which frames are wanted.
-    overwrite : bool
-        Whether files of frames that are there are made again.
-    contact_sheet : Path, optional
-        File to write.
     """
 
-    animate: Annotated[
-        str | None,
-        typer.Option(
-            "--animate",
-            help="Make frames instead of one picture, for so long: 4s. The output's name has #### for the "
-            "frame's number; --time is the first one's.",
-            rich_help_panel=MOVING,
-        ),
-    ] = None
-    fps: Annotated[
-        float | None,
-        typer.Option("--fps", help=f"Frames a second: {RATE:g} unless given.", rich_help_panel=MOVING),
-    ] = None
     luminance_from: Annotated[
         str | None,
         typer.Option(
@@ -320,50 +300,6 @@ class AnimationFlags:
         str | None,
         typer.Option("--luminance-to", help="The same on the last frame.", rich_help_panel=MOVING),
     ] = None
-    frames: Annotated[
-        str | None,
-        typer.Option("--frames", help="Only these frames: 1-96x2, or 3,7,9.", rich_help_panel=MOVING),
-    ] = None
-    overwrite: Annotated[
-        bool,
-        typer.Option(
-            "--overwrite",
-            help="Make all frames anew; those that lie there whole from this job are kept otherwise.",
-            rich_help_panel=MOVING,
-        ),
-    ] = False
-    contact_sheet: Annotated[
-        Path | None,
-        typer.Option(
-            "--contact-sheet",
-            help="Also write small pictures of all frames on one sheet: PNG.",
-            rich_help_panel=MOVING,
-        ),
-    ] = None
-
-    def wanted(self, out: Path) -> bool:
-        """Return whether there is an animation; refuse flags that need one, and a name that does not fit."""
-        if self.animate is None:
-            for name in given(self):
-                raise refuse.Refusal(f"'{name}' needs 'animate', such as --animate 4s.")
-            if frames.is_pattern(out):
-                raise refuse.Refusal(f"'{out}' has #### for frames' numbers; --animate 4s makes frames.")
-            return False
-        frames.frame(out, 1)
-        return True
-
-    def rate(self) -> float:
-        """Return the frames a second."""
-        return RATE if self.fps is None else refuse.positive("fps", self.fps)
-
-    def duration(self) -> float:
-        """Return the length in seconds."""
-        assert self.animate is not None
-        return refuse.positive("animate", units.seconds(self.animate, "animate"))
-
-    def numbers(self) -> tuple[int, ...] | None:
-        """Return the frames that are wanted, None for all."""
-        return None if self.frames is None else frames.numbers(self.frames)
 
     def track(self, flags: EyeFlags, first: float) -> tuple[tuple[float, float], ...] | None:
         """Return the luminance from the first frame's time on, where it is to change."""
@@ -376,22 +312,6 @@ class AnimationFlags:
         start = units.luminance(self.luminance_from, "luminance-from")
         end = units.luminance(self.luminance_to, "luminance-to")
         return (first, start), (first + self.duration(), end)
-
-
-def given(flags: Any) -> list[str]:
-    """Return which flags of a record were typed, as they are written.
-
-    Parameters
-    ----------
-    flags : dataclass
-        Its fields are the flags; each has a default that says nothing.
-
-    Returns
-    -------
-    list of str
-        Such as "luminance-from".
-    """
-    return [f.name.replace("_", "-") for f in fields(flags) if getattr(flags, f.name) != f.default]
 
 
 def pigment(text: str) -> float:

@@ -1,19 +1,18 @@
 """Running the eye's jobs: one picture or many frames, each written whole, finished ones kept."""
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from aureole import jobs, picture, refuse
-from aureole.cli import frames, output, views
-from aureole.cli.eye_options import AnimationFlags, OverFlags, given
+from aureole.cli import output, views
+from aureole.cli.eye_options import AnimationFlags, OverFlags
+from aureole.cli.moving import SHOWN, FrameFiles, given
 from aureole.cli.runs import GlareFiles, Look, read, write_picture
 from aureole.records import Picture
 
 PARTS_SIZE = 768
-SHOWN = ("png", "jpeg")
 # Less light than this part of an open eye's is worth a word.
 LITTLE = 0.5
 
@@ -67,74 +66,6 @@ def animation(job: jobs.EyeJob, moving: AnimationFlags, out: Path, as_json: bool
     if moving.contact_sheet is not None:
         output.write_display(moving.contact_sheet, jobs.eye_brightness(result.contact_sheet)[0])
     files.tell("eye", result.report, written, as_json, time.perf_counter() - start)
-
-
-@dataclass(frozen=True)
-class FrameFiles:
-    """The files of an animation's frames.
-
-    Parameters
-    ----------
-    pattern : Path
-        Name with #### for the frame's number.
-    moving : AnimationFlags
-        Whether frames are made anew, and the sheet of small pictures.
-    write : callable
-        Writes a frame to a path.
-    """
-
-    pattern: Path
-    moving: AnimationFlags
-    write: Callable[[Path, jobs.EyeFrame], None]
-
-    def places(self) -> list[Path]:
-        """Return the files besides the frames, and refuse what could not be written, before any work."""
-        return output.places(frames.frame(self.pattern, 1), self.moving.contact_sheet)[1:]
-
-    def frames(self) -> jobs.Frames:
-        """Return which frames to make; those that lie there whole are kept."""
-        return jobs.Frames(
-            self.moving.duration(),
-            self.moving.rate(),
-            self.moving.numbers(),
-            self.moving.contact_sheet is not None,
-            self.is_done,
-            self.recall(),
-        )
-
-    def is_done(self, number: int, description: str) -> bool:
-        """Return whether a frame lies there whole."""
-        path = frames.frame(self.pattern, number)
-        return frames.is_there(path, description, self.moving.overwrite)
-
-    def recall(self) -> Callable[[int], Picture] | None:
-        """Return how a frame that is done is read, where its file holds all of it."""
-        if picture.format_of(frames.frame(self.pattern, 1)) in SHOWN:
-            return None
-        return lambda number: picture.read(frames.frame(self.pattern, number))
-
-    def follow(self, stages: Any) -> Any:
-        """Write each frame when it is ready, and return the last result."""
-        result = None
-        for stage in output.shown(stages):
-            result = stage.result
-            if isinstance(result, jobs.EyeFrame) and not result.done:
-                self.write(frames.frame(self.pattern, result.number), result)
-        assert isinstance(result, jobs.EyeAnimationResult)
-        return result
-
-    def tell(
-        self, title: str, report: dict[str, Any], written: list[Path], as_json: bool, seconds: float
-    ) -> None:
-        """Report every frame to a machine, and their pattern to people."""
-        for told in report["frames"]:
-            told["file"] = str(frames.frame(self.pattern, told["number"]))
-        if as_json:
-            made = [Path(told["file"]) for told in report["frames"] if not told["kept"]]
-            output.report(title, report, [*made, *written], as_json, seconds)
-            return
-        shared = {name: value for name, value in report.items() if name != "frames"}
-        output.report(title, shared, [self.pattern, *written], as_json, seconds)
 
 
 @dataclass(frozen=True)
@@ -219,7 +150,7 @@ def _over_frames(asked: Over, moving: AnimationFlags, as_json: bool) -> None:
         raise refuse.Refusal("'white' needs 'photosafe'.")
     start = time.perf_counter()
 
-    def write(path: Path, frame: jobs.EyeFrame) -> None:
+    def write(path: Path, frame: jobs.Frame) -> None:
         words = {"ImageDescription": picture.Attribute("string", frame.description)}
         write_picture(asked.files, path, picture.with_attributes(frame.picture, words))
 

@@ -4,7 +4,8 @@ from typing import Any
 
 from aureole import jobs, refuse
 from aureole.cli import eye_runs, options, runs
-from aureole.cli.eye_options import AnimationFlags, EyeFlags, OverFlags, given
+from aureole.cli.eye_options import AnimationFlags, EyeFlags, OverFlags
+from aureole.cli.moving import given
 from aureole.cli.options import ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, numbers, with_flags
 

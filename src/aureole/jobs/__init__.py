@@ -15,7 +15,7 @@ flare_starburst its starbursts, where each light stands
 eye             what a point of light looks like to an eye, at a time or through time
 eye_glare       a picture as an eye sees it at a time
 eye_glare_frames the same through time, by waves of its own or from flipbooks
-eye_frames      frames of an animation: which there are, which are done
+frames          frames of an animation: which there are, which are done
 eye_preview     a point spread function of an eye drawn with degrees
 viewer          an eye as people describe it, and the light that it is adapted to
 measures        a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
@@ -25,6 +25,11 @@ lens_drawing    a lens drawn, with rays and ghosts
 page            one page about a point spread function
 drawing         an aperture's quads drawn
 contact_sheet   small pictures of many on one sheet
+surface         a diffractive surface's table, and what it is in numbers
+surface_sources surfaces as people describe them: presets, slits, heights, tables in files
+surface_preview a table drawn over h
+surface_scene   what suits a surface that is drawn: object, distance, metals
+surface_render  pictures of a diffractive surface on an object, still or turning
 demo            the main job on the bundled scene
 run             run(job): the one door to all of them
 """
@@ -32,12 +37,12 @@ run             run(job): the one door to all of them
 from aureole.jobs.aperture import ApertureJob, ApertureResult
 from aureole.jobs.demo import DemoJob, DemoResult
 from aureole.jobs.eye import QUICK_GRID, EyeAnimationJob, EyeJob, EyeResult
-from aureole.jobs.eye_frames import EyeAnimationResult, EyeFrame, Frames
 from aureole.jobs.eye_glare import EyeGlareJob, EyeGlareResult
 from aureole.jobs.eye_glare_frames import EyeGlareAnimationJob
 from aureole.jobs.eye_preview import eye_brightness, write_eye_preview
 from aureole.jobs.flare import FlareJob, FlareResult
 from aureole.jobs.flare_lights import Lamp
+from aureole.jobs.frames import AnimationResult, Frame, Frames
 from aureole.jobs.glare import GlareJob, GlareResult
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
@@ -57,17 +62,36 @@ from aureole.jobs.optics import Opening, Optics
 from aureole.jobs.page import check_page, write_page
 from aureole.jobs.run import finish, run
 from aureole.jobs.starburst import StarburstJob, StarburstResult
+from aureole.jobs.surface import SurfaceTableJob, SurfaceTableResult, order_rows
+from aureole.jobs.surface_preview import write_table_preview
+from aureole.jobs.surface_render import (
+    SurfaceRenderJob,
+    SurfaceRenderResult,
+    SurfaceTurnJob,
+    render_exposure,
+)
+from aureole.jobs.surface_scene import METALS, fitting_distance, usual_shape, usual_specular
+from aureole.jobs.surface_sources import (
+    TABLE_SUFFIXES,
+    grating_titles,
+    heights_from_file,
+    read_pixels,
+    read_plane,
+    table_of,
+    table_stages,
+)
 from aureole.jobs.viewer import Viewer
 
 __all__ = [
+    "METALS",
     "QUICK_GRID",
+    "TABLE_SUFFIXES",
+    "AnimationResult",
     "ApertureJob",
     "ApertureResult",
     "DemoJob",
     "DemoResult",
     "EyeAnimationJob",
-    "EyeAnimationResult",
-    "EyeFrame",
     "EyeGlareAnimationJob",
     "EyeGlareJob",
     "EyeGlareResult",
@@ -75,6 +99,7 @@ __all__ = [
     "EyeResult",
     "FlareJob",
     "FlareResult",
+    "Frame",
     "Frames",
     "GlareJob",
     "GlareResult",
@@ -93,18 +118,35 @@ __all__ = [
     "PupilMeasures",
     "StarburstJob",
     "StarburstResult",
+    "SurfaceRenderJob",
+    "SurfaceRenderResult",
+    "SurfaceTableJob",
+    "SurfaceTableResult",
+    "SurfaceTurnJob",
     "Sweep",
     "Viewer",
     "check_drawing",
     "check_page",
     "eye_brightness",
     "finish",
+    "fitting_distance",
+    "grating_titles",
+    "heights_from_file",
     "lens_ghosts",
     "lens_list",
     "lens_report",
+    "order_rows",
     "pupil_measures",
+    "read_pixels",
+    "read_plane",
+    "render_exposure",
     "run",
+    "table_of",
+    "table_stages",
+    "usual_shape",
+    "usual_specular",
     "write_drawing",
     "write_eye_preview",
     "write_page",
+    "write_table_preview",
 ]

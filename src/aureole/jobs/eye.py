@@ -9,7 +9,7 @@ import numpy as np
 
 from aureole import glare, light, picture, refuse
 from aureole.glare import EyeState
-from aureole.jobs.eye_frames import EyeAnimationResult, EyeFrame, Frames, FramesResult, digest, frame_stages
+from aureole.jobs.frames import AnimationResult, Frame, Frames, FramesResult, digest, frame_stages
 from aureole.jobs.viewer import Viewer
 from aureole.records import Picture, Stage
 
@@ -156,7 +156,7 @@ def run_eye_animation(job: EyeAnimationJob) -> Iterator[Stage]:
     Yields
     ------
     Stage
-        Each frame as an `EyeFrame` when it is ready; the last one holds an `EyeAnimationResult`.
+        Each frame as an `Frame` when it is ready; the last one holds an `AnimationResult`.
     """
     check_eye(job.still)
     times = job.frames.times(job.still.time)
@@ -169,10 +169,10 @@ def run_eye_animation(job: EyeAnimationJob) -> Iterator[Stage]:
     reports = [state_report(state) for state in states]
     for stage in frame_stages(job.frames, reports, description(job.still), make):
         made = stage.result
-        yield Stage(0.999 * stage.fraction, stage.label, made if isinstance(made, EyeFrame) else None)
+        yield Stage(0.999 * stage.fraction, stage.label, made if isinstance(made, Frame) else None)
     assert isinstance(made, FramesResult)
     report = animation_report(job.still, job.frames, made.reports)
-    yield Stage(1.0, "eye", EyeAnimationResult(report, made.contact_sheet))
+    yield Stage(1.0, "eye", AnimationResult(report, made.contact_sheet))
 
 
 def check_eye(job: EyeJob) -> None:

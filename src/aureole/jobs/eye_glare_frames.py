@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from aureole import glare, light, picture, refuse
 from aureole.glare import EyeState, FlashLimiter, Flipbooks, RealTimeGlare
 from aureole.jobs.eye import animation_report, description, is_shut, psf_numbers, state_report
-from aureole.jobs.eye_frames import EyeAnimationResult, EyeFrame, Frames, FramesResult, frame_stages
 from aureole.jobs.eye_glare import EyeGlareJob, EyeView, eye_view, ready_stages, seen
+from aureole.jobs.frames import AnimationResult, Frame, Frames, FramesResult, frame_stages
 from aureole.jobs.glare import picture_sums
 from aureole.records import Picture, Stage
 
@@ -58,7 +58,7 @@ def run_eye_glare_animation(job: EyeGlareAnimationJob) -> Iterator[Stage]:
     Yields
     ------
     Stage
-        Each frame as an `EyeFrame` when it is ready; the last one holds an `EyeAnimationResult`.
+        Each frame as an `Frame` when it is ready; the last one holds an `AnimationResult`.
     """
     still, view = job.still, eye_view(job.still)
     times = job.frames.times(still.eye.time)
@@ -73,7 +73,7 @@ def run_eye_glare_animation(job: EyeGlareAnimationJob) -> Iterator[Stage]:
     words = description(view.kernel, *_more(job))
     for stage in frame_stages(job.frames, reports, words, make, limiter):
         made = stage.result
-        yield Stage(0.999 * stage.fraction, stage.label, made if isinstance(made, EyeFrame) else None)
+        yield Stage(0.999 * stage.fraction, stage.label, made if isinstance(made, Frame) else None)
     assert isinstance(made, FramesResult)
     report = animation_report(still.eye, job.frames, made.reports)
     report |= {"mode": still.mode, "resolution": still.resolution, "sum_before": picture_sums(still.picture)}
@@ -81,7 +81,7 @@ def run_eye_glare_animation(job: EyeGlareAnimationJob) -> Iterator[Stage]:
         report["frames_held_back"] = limiter.held
     if isinstance(make, _Flipbooks) and make.nbytes:
         report["flipbooks_megabytes"] = make.nbytes / 1e6
-    yield Stage(1.0, "glare", EyeAnimationResult(report, made.contact_sheet))
+    yield Stage(1.0, "glare", AnimationResult(report, made.contact_sheet))
 
 
 class _Limited:

@@ -16,6 +16,8 @@ from aureole.jobs import (
     near_sweep,
     near_texture,
     starburst,
+    surface,
+    surface_render,
 )
 from aureole.records import Stage
 
@@ -26,7 +28,7 @@ def run(job: Any) -> Iterator[Stage]:
 
     Parameters
     ----------
-    job : GlareJob, StarburstJob, ApertureJob, FlareJob, a near-field job, an eye's job or DemoJob
+    job : GlareJob, StarburstJob, ApertureJob, FlareJob, DemoJob, a near-field, an eye's or a surface's
         What to do.
 
     Returns
@@ -49,6 +51,9 @@ run.register(eye.EyeJob, eye.run_eye)
 run.register(eye.EyeAnimationJob, eye.run_eye_animation)
 run.register(eye_glare.EyeGlareJob, eye_glare.run_eye_glare)
 run.register(eye_glare_frames.EyeGlareAnimationJob, eye_glare_frames.run_eye_glare_animation)
+run.register(surface.SurfaceTableJob, surface.run_surface_table)
+run.register(surface_render.SurfaceRenderJob, surface_render.run_surface_render)
+run.register(surface_render.SurfaceTurnJob, surface_render.run_surface_turn)
 run.register(demo.DemoJob, demo.run_demo)
 
 

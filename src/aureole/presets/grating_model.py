@@ -30,6 +30,10 @@ class GratingPreset(BaseModel):
         Lines that are lit in phase.
     spread : float
         Standard deviation of the direction sum along the lines, without unit.
+    shape : str
+        "disc", whose lines run round it, or "plane": the object on which it is usually found.
+    object_mm : list of float
+        A disc's diameter and hole, a plane's width and height, millimetres.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
@@ -46,3 +50,5 @@ class GratingPreset(BaseModel):
     opening: Annotated[float, Field(ge=0.01, le=1)] = 0.7
     count: Annotated[int, Field(ge=1, le=10000)] = 21
     spread: Annotated[float, Field(gt=0, le=1)] = 0.02
+    shape: Literal["disc", "plane"] = "plane"
+    object_mm: Annotated[list[Length], Field(min_length=2, max_length=2)] = [50.0, 50.0]

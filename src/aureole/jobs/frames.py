@@ -66,7 +66,7 @@ class Frames:
 
 
 @dataclass(frozen=True, eq=False)
-class EyeFrame:
+class Frame:
     """One frame of an animation.
 
     Parameters
@@ -107,7 +107,7 @@ class FramesResult:
 
 
 @dataclass(frozen=True, eq=False)
-class EyeAnimationResult:
+class AnimationResult:
     """An animation when its frames have been taken away.
 
     Parameters
@@ -148,7 +148,7 @@ def frame_stages(
     Yields
     ------
     Stage
-        Each frame as an `EyeFrame` when it is ready; the last stage holds a `FramesResult`.
+        Each frame as an `Frame` when it is ready; the last stage holds a `FramesResult`.
     """
     numbers = frames.wanted()
     words = {n: f"{description}, at {reports[n - 1]['time_s']:.6g} s" for n in numbers}
@@ -168,7 +168,7 @@ def frame_stages(
             seen, found = result
             seen = seen if follow is None else follow(seen)
             told[number] |= found
-            made = EyeFrame(number, seen, words[number], told[number], number in done)
+            made = Frame(number, seen, words[number], told[number], number in done)
             yield Stage((index + 1) / len(numbers), label, made)
         elif frames.contact_sheet and frames.recall is not None:
             seen = frames.recall(number)

@@ -1,0 +1,327 @@
+"""Flags of the command `surface table`: which surface, what table, and what they mean."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from aureole import jobs, refuse, surface, units
+from aureole.cli import options
+from aureole.cli.options import FILES
+
+SURFACE, HEIGHTS, TABLE = "Surface: one of these", "Surface: heights", "Table"
+LCD_EXAMPLE = "cd, dvd, bluray, lcd-342ppi, blazed-600"
+INCH_UNIT = "1um"
+
+Name = Annotated[
+    str,
+    typer.Argument(
+        metavar="TABLE",
+        help=f"A table that `aureole surface table` or `measure` wrote, or a grating's preset "
+        f"({LCD_EXAMPLE}; "
+        "all: `aureole surface list`), or a preset's TOML file.",
+    ),
+]
+Illuminant = Annotated[
+    str,
+    typer.Option(
+        "--illuminant",
+        help="The light's spectrum: E, A, D65, F1, blackbody:3200K or line:532nm. It is in the table.",
+        rich_help_panel=TABLE,
+    ),
+]
+Preview = Annotated[
+    Path | None,
+    typer.Option(
+        "--preview",
+        help="Also draw the table over h, over many decades, with a scale: PNG, JPEG, PDF or SVG.",
+        rich_help_panel=FILES,
+    ),
+]
+PreviewRange = Annotated[
+    float | None,
+    typer.Option(
+        "--preview-range",
+        help="h at the preview's borders, at most 2; as far as nearly all light goes unless given.",
+        rich_help_panel=FILES,
+    ),
+]
+TableOut = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        help="Table to write: .exr, .pfm or .npz, with NAME.json beside it.",
+        rich_help_panel=FILES,
+    ),
+]
+ColourSpace = Annotated[
+    str,
+    typer.Option(
+        "--colour-space",
+        help="Of the file's numbers: xyz, or rec709, acescg or rec2020, whose white is the light's then.",
+        rich_help_panel=TABLE,
+    ),
+]
+
+
+@dataclass(frozen=True)
+class SourceFlags:
+    """The flags that name a surface, as text; each field's option teaches its use.
+
+    Parameters
+    ----------
+    grating, slits, across, radial, lines_per_mm, blaze : optional
+        Lines.
+    height, pixel, height_unit, method, order : optional
+        Heights.
+    """
+
+    grating: Annotated[
+        str | None,
+        typer.Option(
+            "--grating",
+            help=f"A preset: {LCD_EXAMPLE}, or a TOML file like those; all: `aureole surface list`.",
+            rich_help_panel=SURFACE,
+        ),
+    ] = None
+    slits: Annotated[
+        str | None,
+        typer.Option(
+            "--slits",
+            help="Slits: width, from one to the next, how many are lit in phase: 0.5um,1.6um,21.",
+            rich_help_panel=SURFACE,
+        ),
+    ] = None
+    across: Annotated[
+        str | None,
+        typer.Option(
+            "--across",
+            help="With --slits: crossed by others, in the same words: 10um,74um,5.",
+            rich_help_panel=SURFACE,
+        ),
+    ] = None
+    radial: Annotated[
+        bool,
+        typer.Option(
+            "--radial",
+            help="With --slits: of all directions mixed, orders are rings.",
+            rich_help_panel=SURFACE,
+        ),
+    ] = False
+    blaze: Annotated[
+        str | None,
+        typer.Option(
+            "--blazed",
+            help="Tilted facets: lines in a millimetre, and the wavelength that they send back: 600,500nm.",
+            rich_help_panel=SURFACE,
+        ),
+    ] = None
+    display: Annotated[
+        float | None,
+        typer.Option(
+            "--display",
+            help="A screen's pixels, by how many there are in an inch: 342.",
+            rich_help_panel=SURFACE,
+        ),
+    ] = None
+    height: Annotated[
+        Path | None,
+        typer.Option(
+            "--height",
+            help="A picture of heights, one period of a surface that repeats: EXR, PFM, NPY, TIFF, PNG.",
+            rich_help_panel=HEIGHTS,
+        ),
+    ] = None
+    pixel: Annotated[
+        str | None,
+        typer.Option("--pixel", help="From one height to the next: 20nm.", rich_help_panel=HEIGHTS),
+    ] = None
+    height_unit: Annotated[
+        str | None,
+        typer.Option(
+            "--height-unit",
+            help=f"What a value of 1 in that picture is: {INCH_UNIT} unless given.",
+            rich_help_panel=HEIGHTS,
+        ),
+    ] = None
+    method: Annotated[
+        str | None,
+        typer.Option(
+            "--method",
+            help="exact (unless given), born (first order), taylor with --order, or amplitude, whose values "
+            "are reflectances 0 to 1.",
+            rich_help_panel=HEIGHTS,
+        ),
+    ] = None
+    order: Annotated[
+        int | None,
+        typer.Option(
+            "--order",
+            help="Last power of the Taylor series; a note says where it is too low.",
+            rich_help_panel=HEIGHTS,
+        ),
+    ] = None
+
+    def source(self) -> surface.Grating | surface.HeightField:
+        """Return the surface; refuse none, several, and flags that do not go with it."""
+        named = {
+            "grating": self.grating,
+            "slits": self.slits,
+            "blazed": self.blaze,
+            "display": self.display,
+            "height": self.height,
+        }
+        given = [name for name, value in named.items() if value is not None]
+        if len(given) != 1:
+            said = ", ".join(f"'{name}'" for name in named)
+            raise refuse.Refusal(f"give one of {said}; got {' and '.join(given) or 'none'}.")
+        self._refuse_strays(given[0])
+        if self.height is not None:
+            return self._heights(self.height)
+        if self.grating is not None:
+            return surface.grating(self.grating)
+        if self.blaze is not None:
+            return _blazed(self.blaze)
+        if self.display is not None:
+            return surface.display_grating(refuse.positive("display", self.display), name="display")
+        assert self.slits is not None
+        along = _lines(self.slits, "slits")
+        if self.across is not None:
+            return surface.crossed_grating(along, _lines(self.across, "across"), "crossed slits")
+        if self.radial:
+            return surface.radial_grating(along, name="radial slits")
+        return surface.multislit_grating(along.period, along.width, along.count, name="slits")
+
+    def how(self) -> dict[str, str | int]:
+        """Return how heights are turned into light, by the names of a `SurfaceTableJob`."""
+        if self.method == "taylor" and self.order is None:
+            raise refuse.Refusal("'method' taylor needs 'order', such as --order 5.")
+        if self.order is not None and self.method != "taylor":
+            raise refuse.Refusal("'order' is the Taylor series'; it needs --method taylor.")
+        return {"method": self.method or "exact", "order": 1 if self.order is None else self.order}
+
+    def _heights(self, path: Path) -> surface.HeightField:
+        if self.pixel is None:
+            raise refuse.Refusal(
+                "'height' needs 'pixel', the distance from one height to the next: --pixel 20nm."
+            )
+        if self.method is not None:
+            refuse.one_of("method", self.method, surface.height.METHODS)
+        pixel = refuse.positive("pixel", units.length(self.pixel, "pixel", "20nm"))
+        unit = (
+            1.0
+            if self.method == "amplitude"
+            else units.length(self.height_unit or INCH_UNIT, "height-unit", "1um")
+        )
+        return jobs.heights_from_file(path, pixel, unit)
+
+    def _refuse_strays(self, kind: str) -> None:
+        """Refuse flags that belong to another kind of surface."""
+        owners = {
+            "slits": {"across": self.across, "radial": self.radial or None},
+            "height": {
+                "pixel": self.pixel,
+                "height-unit": self.height_unit,
+                "method": self.method,
+                "order": self.order,
+            },
+        }
+        for owner, flags in owners.items():
+            for name, value in flags.items():
+                if value is not None and owner != kind:
+                    raise refuse.Refusal(f"'{name}' goes with '{owner}', not with '{kind}'.")
+        if self.across is not None and self.radial:
+            raise refuse.Refusal("'across' and 'radial' do not go together; give one of them.")
+
+
+@dataclass(frozen=True)
+class TableFlags:
+    """The flags of a table's form, as text; each field's option teaches its use.
+
+    Parameters
+    ----------
+    size, half_range, warp, zero_order, normalise : optional
+        Of the table.
+    """
+
+    size: Annotated[
+        str | None,
+        typer.Option(
+            "--size",
+            help="Samples of the table: 2048, or 2048x256. 2048 unless given, 1024 of heights.",
+            rich_help_panel=TABLE,
+        ),
+    ] = None
+    half_range: Annotated[
+        float,
+        typer.Option(
+            "--range",
+            help="h at the table's borders: 2 holds every pair of directions, less is finer.",
+            rich_help_panel=TABLE,
+        ),
+    ] = 2.0
+    warp: Annotated[
+        int,
+        typer.Option(
+            "--warp",
+            help="Odd power that crowds the samples where h is small: h = range * u^warp.",
+            rich_help_panel=TABLE,
+        ),
+    ] = 5
+    zero_order: Annotated[
+        str,
+        typer.Option(
+            "--zero-order",
+            help="The mirror's own highlight: keep it in the table, remove it, or specular: draw it as an "
+            "ordinary lobe, which stays white.",
+            rich_help_panel=TABLE,
+        ),
+    ] = "keep"
+    normalise: Annotated[
+        bool,
+        typer.Option(
+            "--normalise",
+            help="Darken the table, where needed, so that no more light comes back than was sent.",
+            rich_help_panel=TABLE,
+        ),
+    ] = False
+
+    def form(self) -> dict[str, object]:
+        """Return the table's form, by the names of a `SurfaceTableJob`."""
+        return {
+            "size": None if self.size is None else options.size(self.size),
+            "half_range": refuse.between("range", refuse.positive("range", self.half_range), 0.0, 2.0),
+            "warp": surface.table.checked_warp(self.warp),
+            "zero_order": refuse.one_of("zero-order", self.zero_order, surface.table.ZERO_ORDERS),
+            "normalise": self.normalise,
+        }
+
+
+def _lines(text: str, name: str) -> surface.Lines:
+    """Read "0.5um,1.6um,21"."""
+    words = [word.strip() for word in text.split(",")]
+    if len(words) != 3 or not words[2].isdecimal():
+        raise refuse.Refusal(
+            f"'{name}' must be width, distance and number of slits, such as 0.5um,1.6um,21, got '{text}'."
+        )
+    width, period = (refuse.positive(name, units.length(word, name, "0.5um")) for word in words[:2])
+    if width > period:
+        raise refuse.Refusal(f"'{name}' must be no wider than from one to the next, got '{text}'.")
+    return surface.Lines(period, width, refuse.at_least(name, int(words[2]), 1))
+
+
+def _blazed(text: str) -> surface.Grating:
+    """Read "600,500nm"."""
+    words = [word.strip() for word in text.split(",")]
+    if len(words) != 2:
+        raise refuse.Refusal(
+            f"'blazed' must be lines in a millimetre and a wavelength: 600,500nm, got '{text}'."
+        )
+    try:
+        density = float(words[0])
+    except ValueError:
+        raise refuse.Refusal(f"'blazed' must be such as 600,500nm, got '{text}'.") from None
+    wavelength = units.length(words[1], "blazed", "500nm")
+    return surface.blazed_grating(density, wavelength, name=f"blazed {words[0]}")
