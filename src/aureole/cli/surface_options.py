@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -194,7 +194,7 @@ class SourceFlags:
             return surface.radial_grating(along, name="radial slits")
         return surface.multislit_grating(along.period, along.width, along.count, name="slits")
 
-    def how(self) -> dict[str, str | int]:
+    def how(self) -> dict[str, Any]:
         """Return how heights are turned into light, by the names of a `SurfaceTableJob`."""
         if self.method == "taylor" and self.order is None:
             raise refuse.Refusal("'method' taylor needs 'order', such as --order 5.")
@@ -219,7 +219,7 @@ class SourceFlags:
 
     def _refuse_strays(self, kind: str) -> None:
         """Refuse flags that belong to another kind of surface."""
-        owners = {
+        owners: dict[str, dict[str, Any]] = {
             "slits": {"across": self.across, "radial": self.radial or None},
             "height": {
                 "pixel": self.pixel,
@@ -288,7 +288,7 @@ class TableFlags:
         ),
     ] = False
 
-    def form(self) -> dict[str, object]:
+    def form(self) -> dict[str, Any]:
         """Return the table's form, by the names of a `SurfaceTableJob`."""
         return {
             "size": None if self.size is None else options.size(self.size),

@@ -109,7 +109,7 @@ class ObjectFlags:
         ),
     ] = None
 
-    def angles(self) -> dict[str, float]:
+    def angles(self) -> dict[str, Any]:
         """Return how the object is turned, by the names of a `SurfaceRenderJob`."""
         return {name: units.angle(getattr(self, name), name) for name in ("tilt", "turn", "spin")}
 

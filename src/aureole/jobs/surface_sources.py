@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ TABLE_SUFFIXES = (".exr", ".pfm", ".npz")
 PFM, NUMPY = ".pfm", ".npy"
 
 
-def read_plane(path: Path, transfer: str = "auto") -> NDArray[np.float64]:
+def read_plane(path: Path, transfer: Literal["auto", "linear"] = "auto") -> NDArray[np.float64]:
     """Read a picture's numbers as one plane.
 
     Parameters
@@ -38,7 +39,7 @@ def read_plane(path: Path, transfer: str = "auto") -> NDArray[np.float64]:
     return pixels if pixels.ndim == 2 else np.asarray(pixels[..., :3].mean(axis=2))
 
 
-def read_pixels(path: Path, transfer: str = "auto") -> NDArray[np.float64]:
+def read_pixels(path: Path, transfer: Literal["auto", "linear"] = "auto") -> NDArray[np.float64]:
     """Read a picture's numbers, whatever its channels.
 
     Parameters
@@ -60,8 +61,7 @@ def read_pixels(path: Path, transfer: str = "auto") -> NDArray[np.float64]:
     """
     suffix = path.suffix.lower()
     if suffix not in (PFM, NUMPY):
-        kind = "linear" if transfer == "linear" else "auto"
-        return picture.read(path, transfer=kind).pixels.astype(np.float64)
+        return picture.read(path, transfer=transfer).pixels.astype(np.float64)
     if not path.is_file():
         raise refuse.Refusal(f"There is no file '{path}'.")
     if suffix == PFM:
