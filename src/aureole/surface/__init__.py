@@ -47,6 +47,8 @@ Drawn:
 - `environment.py`: light from all around on a flat sample, towards all views by one correlation.
 - `quadrature.py`: the same summed direction by direction: the reference.
 - `prefilter.py`: the same by the surface paper's reflection map, for comparison.
+- `surroundings.py`: light from all around on samples of any shape; blurred copies of the light.
+- `table_cells.py`: a table cut into small lobes, for that.
 - `rooms.py`: a room with lamps and windows, made by code.
 - `complex_lights.py`: a lamp's shape from its mirror image, and the table of the whole lamp.
 - `_kernels*.py`: the heavy loops.
@@ -127,7 +129,15 @@ from aureole.surface.rooms import lamps_and_windows
 from aureole.surface.scene import Scene, Shader, render, render_stages, shade, shader
 from aureole.surface.shapes import Cylinder, Disc, Mesh, Plane, Pose, Seen, pose_of, see
 from aureole.surface.slits import Lines, multislit
+from aureole.surface.surroundings import (
+    Surroundings,
+    environment_light,
+    irradiance,
+    mirror_light,
+    surroundings,
+)
 from aureole.surface.table import MODELS, ScatterTable, lookup, rgb, scatter_table
+from aureole.surface.table_cells import table_cells
 from aureole.surface.table_files import read_table, sidecar_of, write_table
 from aureole.surface.taylor_tables import TaylorTables, taylor_tables, taylor_tables_stages
 from aureole.surface.views import View, view_from
@@ -163,6 +173,7 @@ __all__ = [
     "Scene",
     "Seen",
     "Shader",
+    "Surroundings",
     "TaylorTables",
     "UniformGeometry",
     "View",
@@ -187,6 +198,7 @@ __all__ = [
     "display_grating",
     "distant_lamp",
     "environment_from_picture",
+    "environment_light",
     "estimate_black",
     "find_centre",
     "fit_heights",
@@ -197,6 +209,7 @@ __all__ = [
     "height_field",
     "height_pattern",
     "hemisphere",
+    "irradiance",
     "lamp_from_reflection",
     "lamps_and_windows",
     "lcd_screen",
@@ -207,6 +220,7 @@ __all__ = [
     "merge",
     "mesh_of",
     "mitsuba_scene",
+    "mirror_light",
     "multislit",
     "multislit_grating",
     "normalised",
@@ -237,6 +251,8 @@ __all__ = [
     "sidecar_of",
     "smeared",
     "split_zero_order",
+    "surroundings",
+    "table_cells",
     "table_from_function",
     "table_from_function_stages",
     "table_from_grating",
