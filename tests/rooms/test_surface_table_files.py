@@ -52,6 +52,17 @@ def test_a_laser_keeps_its_colour_in_rgb(tmp_path, wavelength):
     assert np.abs(found - table.values).max() <= 1e-5 * table.values.max()
 
 
+def test_the_sidecar_reports_albedo_and_energy(tmp_path):
+    values = np.full((40, 40, 3), 1e-3)
+    table = surface.scatter_table(values, [1.0, 1.0, 1.0])
+    surface.write_table(tmp_path / "t.npz", table)
+    said = json.loads((tmp_path / "t.npz.json").read_text())["report"]
+    assert said["albedo"]["0_deg"] == pytest.approx(surface.albedo(table)[1])
+    # 4π² · 10⁻³ over h from −2 to 2.
+    assert said["energy"] == pytest.approx([0.064 * np.pi**2] * 3, rel=1e-6)
+    assert surface.read_table(tmp_path / "t.npz").metadata == {}
+
+
 def test_an_exr_says_its_primaries(tmp_path):
     surface.write_table(tmp_path / "t.exr", sample_table())
     assert picture.describe(tmp_path / "t.exr").colour_space == "xyz"

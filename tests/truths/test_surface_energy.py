@@ -1,5 +1,7 @@
 """What a table sends back: closed forms, brute force in angles, the bound of one, reciprocity."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -80,6 +82,53 @@ def test_normalised_tables_send_back_no_more_than_came_at_any_incidence():
     # Once is enough, and what sends back less is left alone.
     assert np.array_equal(surface.normalised(settled).values, settled.values)
     assert surface.normalised(settled).metadata["normalised_by"] == 1.0
+
+
+@pytest.mark.parametrize(("warp", "reach"), [(1, 2.0), (5, 2.0), (3, 1.3)])
+def test_the_bound_is_close(warp, reach):
+    """A perfect diffuser sends back all light: the bound may be above that by the discs' widening alone."""
+    table = surface.scatter_table(np.full((401, 400, 3), 1 / (4 * np.pi**3)), [1.0, 1.0, 1.0], reach, warp)
+    most = surface.albedo(table)[1]
+    assert most <= surface.albedo_bound(table) <= 1.015 * most
+
+
+def test_fresnels_factor_counts_squared():
+    """Under the normal the half vector is at half the angle of the eye: ∫ F(cos θ/2)² 2r dr of a diffuser."""
+    table = surface.scatter_table(np.full((400, 401, 3), 1 / (4 * np.pi**3)), [1.0, 1.0, 1.0], warp=1)
+    r = (np.arange(2000) + 0.5) / 2000
+    cosine = np.sqrt(0.5 * (1 + np.sqrt(1 - r**2)))
+    for factors in (surface.schlick(0.04), surface.conductor([0.2, 0.9, 1.1], [3.4, 2.3, 2.0])):
+        wanted = [(np.interp(cosine, np.linspace(0, 1, 1025), one) ** 2 * 2 * r).mean() for one in factors.T]
+        found = surface.albedo(table, fresnel=factors)
+        colours = light.from_xyz(found, "rec709", table.white)
+        assert colours == pytest.approx(wanted, rel=2e-3)
+    half = surface.albedo(table, [[0.6, 0.0], [0.0, 0.0]], np.full(5, 0.5))
+    assert half == pytest.approx(0.25 * surface.albedo(table, [[0.6, 0.0], [0.0, 0.0]]), rel=1e-5)
+
+
+def test_a_report_holds_the_albedo_and_the_energy():
+    table = table_of(spot(0.1, level=0.7), 121)
+    said = surface.describe(table)
+    assert said["energy"][1] == pytest.approx(0.7, rel=1e-3)
+    assert list(said["albedo"].values()) == pytest.approx(
+        surface.albedo(table, [[0.0, 0.0], [0.5, 0.0], [np.sqrt(0.75), 0.0]])[:, 1].tolist()
+    )
+    assert said["albedo"]["60_deg"] < said["albedo"]["0_deg"] <= said["albedo_bound"] <= 0.71
+    assert (said["rows"], said["warp"], said["illuminant"], said["zero_order"]) == (
+        121,
+        3,
+        "550 nm",
+        "keep",
+    )
+    assert "normalised_by" not in said
+    assert surface.describe(surface.normalised(table))["normalised_by"] == 1.0
+    json.dumps(said, allow_nan=False)
+
+
+@pytest.mark.parametrize("fresnel", [1.0, [0.5], np.ones((4, 2)), [1.0, -0.1], [np.nan, 1.0]])
+def test_fresnel_factors_that_are_refused(fresnel):
+    with pytest.raises(Refusal, match="'fresnel'"):
+        surface.albedo(surface.scatter_table(np.ones((4, 4, 3)), [1.0, 1.0, 1.0]), fresnel=fresnel)
 
 
 def test_the_albedo_is_relative_to_the_light():

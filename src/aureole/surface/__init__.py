@@ -11,6 +11,7 @@ The table:
 - `cell_means.py`: means of a pattern over a table's cells.
 - `function.py`: from a formula to a table, sharp orders averaged over cells.
 - `albedo.py`: how much light a table sends back, and tables that send back no more than came.
+- `report.py`: a table in numbers.
 - `resampling.py`: a table on even steps of h, and back.
 - `pfm.py`: portable float maps.
 - `table_files.py`: tables as EXR, PFM and NPZ with a JSON sidecar.
@@ -124,6 +125,7 @@ from aureole.surface.photo_tables import (
 )
 from aureole.surface.prefilter import prefiltered
 from aureole.surface.quadrature import Quadrature, quadrature
+from aureole.surface.report import describe
 from aureole.surface.response import Response, camera_response
 from aureole.surface.rooms import lamps_and_windows
 from aureole.surface.scene import Scene, Shader, render, render_stages, shade, shader
@@ -194,6 +196,7 @@ __all__ = [
     "count_lines",
     "crossed_grating",
     "defocus",
+    "describe",
     "diffraction_pattern",
     "display_grating",
     "distant_lamp",

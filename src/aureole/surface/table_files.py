@@ -15,12 +15,15 @@ from aureole import light, picture, refuse
 from aureole.presets.models import first_refusal
 from aureole.records import Picture
 from aureole.surface.pfm import read_pfm, write_pfm
+from aureole.surface.report import describe
 from aureole.surface.table import TANGENT_CONVENTION, ScatterTable, neutral_white, rgb, scatter_table
 
 SUFFIXES = (".exr", ".pfm", ".npz")
 FORMAT = "aureole scatter table 1"
 COORDINATES = "h = half_range * u^warp of h = omega_i + omega_o, u from -1 to 1 at first and last samples"
 BRDF = "f_r = diffuse + specular + 4 pi^2 F^2 G S_d(h), G = 1 at normal incidence"
+# What the sidecar does not say elsewhere.
+REPORTED = ("energy", "albedo", "albedo_bound", "brightest")
 
 _Finite = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -50,6 +53,8 @@ class Sidecar(BaseModel):
         As in `ScatterTable`.
     metadata : dict
         What else is known.
+    report : dict
+        What `describe` says of the table, for a person; not read back.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -69,6 +74,7 @@ class Sidecar(BaseModel):
     model: str
     zero_order: str
     metadata: dict[str, Any] = Field(default_factory=dict)
+    report: dict[str, Any] = Field(default_factory=dict)
 
 
 def sidecar_of(path: str | os.PathLike[str]) -> Path:
@@ -181,6 +187,7 @@ def _sidecar_text(table: ScatterTable, colour_space: str) -> str:
         model=table.model,
         zero_order=table.zero_order,
         metadata=dict(table.metadata),
+        report={key: value for key, value in describe(table).items() if key in REPORTED},
     )
     try:
         return json.dumps(said.model_dump(), indent=1, ensure_ascii=False, allow_nan=False, default=_plain)
