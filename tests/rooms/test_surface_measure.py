@@ -59,6 +59,15 @@ def test_a_lamp_far_away_lights_evenly_and_a_near_one_by_the_square_of_distance(
     assert near.h_of(*place, middle, SHAPE)[2] == pytest.approx((0.25 / math.hypot(0.25, 0.05)) ** 3)
 
 
+def test_a_photograph_from_far_away_is_even_in_h_and_runs_against_it():
+    far = surface.BenchGeometry(50.0, math.inf, 1e-3, rotation=0.3)
+    even = surface.UniformGeometry(1e-3 / 50.0, rotation=0.3)
+    middle = ((SHAPE[0] - 1) / 2, (SHAPE[1] - 1) / 2)
+    place = (np.array(middle[0] + 7.0), np.array(middle[1] + 50.0))
+    found, expected = even.h_of(*place, middle, SHAPE), far.h_of(*place, middle, SHAPE)
+    assert found[:2] == pytest.approx(expected[:2], rel=1e-5)
+
+
 @pytest.mark.parametrize(
     ("bench", "word"),
     [

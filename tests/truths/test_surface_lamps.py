@@ -31,9 +31,9 @@ def test_two_diodes_show_two_patterns_each_about_its_mirror_image():
     lamp = surface.lamp_from_reflection(photograph([(18, 20), (24, 40)], [[1, 1, 1]] * 2), STEP)
     whole = surface.convolved(table, lamp)
     h_t, h_b = np.linspace(-1.2, 1.2, 61)[None, :], np.linspace(-0.6, 0.6, 31)[:, None]
-    # The middle of the light lies at row 21, column 30; rows run against the bitangent.
+    # The middle of the light lies at row 21, column 30; a photograph runs against h, its rows along it.
     expected = 0.5 * (
-        lookup(table, h_t + 10 * STEP, h_b - 3 * STEP) + lookup(table, h_t - 10 * STEP, h_b + 3 * STEP)
+        lookup(table, h_t - 10 * STEP, h_b + 3 * STEP) + lookup(table, h_t + 10 * STEP, h_b - 3 * STEP)
     )
     found = lookup(whole, h_t, h_b)
     assert np.abs(found - expected).max() <= 0.02 * expected.max()

@@ -50,7 +50,7 @@ def lamp_from_reflection(
     Parameters
     ----------
     photograph : Picture
-        Linear; the mirror image brighter than the orders around it.
+        Linear, as the camera takes it; the mirror image brighter than the orders around it.
     step : float
         Between pixels, in h: the angle a pixel sees, in radians, times the cosine of the view to the normal.
     threshold : float
@@ -79,7 +79,8 @@ def lamp_from_reflection(
     shares = np.where(lamp[..., None], np.maximum(pixels - black, 0.0), 0.0)
     if neutral:
         shares = np.repeat(_luminance(shares, photograph.colour_space)[..., None], 3, axis=-1)
-    shares /= _luminance(shares, photograph.colour_space).sum()
+    # A photograph runs against h: further right on a sample the eye lies further left.
+    shares = shares[::-1, ::-1] / _luminance(shares, photograph.colour_space).sum()
     centred = _about_middle(shares, photograph.colour_space)
     return LampShape(centred.astype(np.float32), step, photograph.colour_space)
 

@@ -23,7 +23,9 @@ _NEWTON_STEPS = 8
 
 @dataclass(frozen=True)
 class UniformGeometry:
-    """A photograph whose pixels lie evenly in h, as one from far away does.
+    """A photograph of a sample whose pixels lie evenly in h, as one from far away does.
+
+    It runs against h: further right on a sample lamp and eye lie further left.
 
     Parameters
     ----------
@@ -62,7 +64,7 @@ class UniformGeometry:
         """
         step = refuse.positive("h_per_pixel", self.h_per_pixel)
         turn = refuse.finite("rotation", self.rotation)
-        x, y = np.broadcast_arrays(step * (columns - centre[1]), step * (centre[0] - rows))
+        x, y = np.broadcast_arrays(step * (centre[1] - columns), step * (rows - centre[0]))
         h_t = math.cos(turn) * x + math.sin(turn) * y
         h_b = math.cos(turn) * y - math.sin(turn) * x
         return h_t, h_b, np.ones_like(h_t)
