@@ -23,13 +23,16 @@ from surface_sheets import SCREEN, SHEET, Pixels, drawn, facing, holographic, la
 from aureole import light, picture, surface
 
 Reals = NDArray[np.float64]
+Place = tuple[float, float, float]
 Formula = Callable[[Reals, Reals, float], Reals]
 CAMERA = surface.VirtualCamera(blur=0.7)
 READING = {"black": 512.0, "saturation": 16383.0, "read_noise": 0.75, "gain": 4.0}
 BRACKET = [4.0**k for k in range(8)]
 
 
-def photographed(formula: Formula, band: "light.Spectrum", bench: "surface.BenchGeometry", size: int) -> list[Reals]:
+def photographed(
+    formula: Formula, band: "light.Spectrum", bench: "surface.BenchGeometry", size: int
+) -> list[Reals]:
     """Return a bracket of a sample under a filter, its brightest pixel just below the sensor's range."""
     middle = (size / 2 - 0.5, size / 2 - 0.5)
     scene = surface.virtual.radiance(formula, band, bench, (size, size), middle)
@@ -37,7 +40,7 @@ def photographed(formula: Formula, band: "light.Spectrum", bench: "surface.Bench
 
 
 def in_white_light(
-    formula: Formula, shape: "surface.Shape", view: "surface.View", place: tuple[float, float, float], name: str
+    formula: Formula, shape: "surface.Shape", view: "surface.View", place: Place, name: str
 ) -> Pixels:
     """Return what a camera would see of a sample, wavelength by wavelength and without any table."""
     seen = surface.see(shape, view, samples=2)
@@ -65,8 +68,14 @@ def screens() -> Pixels:
         formula = surface.grating(name).pattern
         band = surface.virtual.gaussian_filter_spectrum(530e-9, 10e-9, 13)
         table = surface.table_from_photo(
-            photographed(formula, band, bench, 1200), BRACKET, bench, 530e-9, "F1",
-            model="amplitude", table_size=1024, **READING,
+            photographed(formula, band, bench, 1200),
+            BRACKET,
+            bench,
+            530e-9,
+            "F1",
+            model="amplitude",
+            table_size=1024,
+            **READING,
         )
         truth = in_white_light(formula, SCREEN, view, place, "F1")
         found = drawn(table, SCREEN, view, lamp(place)).pixels[..., :3]
@@ -92,7 +101,8 @@ def table() -> Pixels:
     middle = len(dark) // 2
     part = dark[middle - 420 : middle + 420 : 2, middle - 420 : middle + 420 : 2]
     logarithm = picture.to_display(np.repeat(np.maximum(part, 0)[..., None], 3, -1), tone="log", decades=5.0)
-    return sheet([[shown(counts * np.maximum(green, 0) * 3, 0.0), logarithm, compressed(surface.rgb(warped))]])
+    photograph = shown(counts * np.maximum(green, 0) * 3, 0.0)
+    return sheet([[photograph, logarithm, compressed(surface.rgb(warped))]])
 
 
 def compressed(colours: NDArray[np.floating]) -> Pixels:

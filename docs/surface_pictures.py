@@ -8,8 +8,6 @@ cylinder: a sheet of holographic paper, flat and bent (Fig. 17).
 blazed: 600 lines per millimetre as slits and as blazed facets (Fig. 19).
 mask: a radial pattern on a whole sheet, the mask, and the pattern on its stripes (Fig. 20).
 disc: a compact disc beside the lamp (Fig. 21).
-focus: the disc sharp and the pattern not, and the other way round (section 7).
-regions: a sheet of four patterns, and one whose lines turn from place to place (Fig. 25).
 """
 
 import sys
@@ -17,7 +15,19 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from surface_sheets import COMPACT_DISC, SCREEN, SHEET, Pixels, drawn, facing, holographic, lamp, sheet, shown, write
+from surface_sheets import (
+    COMPACT_DISC,
+    SCREEN,
+    SHEET,
+    Pixels,
+    drawn,
+    facing,
+    holographic,
+    lamp,
+    sheet,
+    shown,
+    write,
+)
 
 from aureole import light, surface
 
@@ -41,15 +51,15 @@ def discs() -> Pixels:
 def disc() -> Pixels:
     """Return a compact disc with the lamp beside the camera: violet is inside in every order."""
     table = surface.table_from_grating("cd", size=2048)
-    return shown(drawn(table, COMPACT_DISC, facing((540, 840), 0.128, 0.24), lamp((0.02, 0.0, 0.24), 1.0, 0.003), DIM, 3), -2.3)
+    lit = lamp((0.02, 0.0, 0.24), 1.0, 0.003)
+    return shown(drawn(table, COMPACT_DISC, facing((540, 840), 0.128, 0.24), lit, DIM, 3), -2.3)
 
 
 def spectra() -> Pixels:
     """Return a screen's pattern under four lights, their own colour left in."""
     incandescent = light.illuminant("A")
-    cool = light.spectrum(
-        incandescent.wavelengths, incandescent.values.max() * 1.05 - incandescent.values, "power", "inverse of A"
-    )
+    inverse = 1.05 * incandescent.values.max() - incandescent.values
+    cool = light.spectrum(incandescent.wavelengths, inverse, "power", "inverse of A")
     pictures = []
     for lit in (light.illuminant("E"), incandescent, cool, light.illuminant("F1")):
         table = surface.table_from_grating("lcd-534ppi", lit, size=1024, half_range=1.0)
@@ -95,16 +105,19 @@ def mask() -> Pixels:
     view, lit = facing((280, 280), 0.124, 0.2), lamp((0.0, 0.0, 0.2), 1.0, 0.002)
     whole = drawn(table, SHEET, view, lit, material)
     striped = drawn(table, SHEET, view, lit, material, mask=stripes)
-    plain = np.repeat(np.repeat(stripes[:, :, None], 3, axis=2), 280, axis=0)[:, np.linspace(0, 479, 280).astype(int)]
-    return sheet([[shown(whole, 1.0), 0.8 * plain, shown(striped, 1.0)]])
+    seen = stripes[0, np.linspace(0, 479, 280).astype(int)]
+    plain = np.broadcast_to(0.8 * seen[None, :, None], (280, 280, 3))
+    return sheet([[shown(whole, 1.0), plain, shown(striped, 1.0)]])
 
 
-def focus() -> Pixels:
-    """Placeholder."""
-    raise NotImplementedError
-
-
-NAMES = {"discs": discs, "disc": disc, "spectra": spectra, "cylinder": cylinder, "blazed": blazed, "mask": mask}
+NAMES = {
+    "discs": discs,
+    "disc": disc,
+    "spectra": spectra,
+    "cylinder": cylinder,
+    "blazed": blazed,
+    "mask": mask,
+}
 
 if __name__ == "__main__":
     write(NAMES[sys.argv[1]](), Path(sys.argv[2]))

@@ -1,4 +1,4 @@
-"""What the scripts of docs/surface.md share: sheets of pictures, lamps, samples and how they are looked at."""
+"""What the scripts of docs/surface.md share: sheets of pictures, lamps, samples, and views of them."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +12,7 @@ from aureole.picture.transfer import decode_srgb
 Pixels = NDArray[np.float32]
 # A phone's screen and a sheet of paper, metres.
 SCREEN, SHEET = surface.Plane(0.056, 0.098), surface.Plane(0.12, 0.12)
+ROOM_ROWS = 256
 COMPACT_DISC = surface.Disc(0.12, 0.044)
 
 
@@ -79,3 +80,41 @@ def holographic() -> "surface.Grating":
     """Return a stand-in for holographic paper: wide lobes about crossed lines, 2 µm apart."""
     lines = surface.Lines(2.0e-6, 0.7e-6, 4)
     return surface.crossed_grating(lines, lines, "holographic paper")
+
+
+def hall(rows: int = ROOM_ROWS, seed: int = 7) -> "surface.Environment":
+    """Return a dark hall with rows of small warm lamps, a round window and three white lamps.
+
+    Radiance is relative. All are where a sample sees them that looks along +z.
+    """
+    latitude = np.pi / 2 - np.pi * (np.arange(rows)[:, None] + 0.5) / rows
+    longitude = np.pi * ((np.arange(2 * rows)[None, :] + 0.5) / rows - 1.0)
+    toward = np.stack(
+        [
+            np.cos(latitude) * np.sin(longitude),
+            np.sin(latitude) + 0 * longitude,
+            -np.cos(latitude) * np.cos(longitude),
+        ],
+        axis=-1,
+    )
+    radiance = 0.03 * (1.2 + toward[..., 1:2]) * np.array([1.0, 0.85, 0.7])
+
+    def add(place: Sequence[float], radius: float, colour: Sequence[float]) -> None:
+        where = np.asarray(place) / np.linalg.norm(place)
+        away = np.arccos(np.clip(toward @ where, -1, 1))
+        cover = np.clip((radius - away) * rows / np.pi + 0.5, 0, 1)
+        # A lamp smaller than a pixel keeps its light.
+        area = cover.sum() * (np.pi / rows) ** 2 * np.cos(np.arcsin(where[1]))
+        share = 1.0 if radius > 2 * np.pi / rows else np.pi * radius**2 / area
+        nonlocal radiance
+        radiance = radiance + share * cover[..., None] * np.asarray(colour)
+
+    add((0.12, 0.34, 1.0), 0.085, (9.0, 10.0, 12.0))
+    generator = np.random.default_rng(seed)
+    for side in (-1.0, 1.0):
+        for step in range(7):
+            place = (side * (0.55 + 0.03 * step), 0.42 + 0.05 * step, 1.6 - 0.42 * step)
+            add(place, np.radians(0.5), 2500.0 * np.array([1.0, 0.74, 0.45]) * generator.uniform(0.7, 1.3))
+    for place in ((-0.3, 0.12, 1.0), (0.35, 0.1, 1.0), (0.0, 0.75, 1.0)):
+        add(place, np.radians(0.6), (2600.0, 2900.0, 3200.0))
+    return surface.Environment(radiance.astype(np.float32), "rec709", "hall")

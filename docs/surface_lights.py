@@ -1,0 +1,113 @@
+"""Draw diffractive samples under lamps that are no points and in light from all around.
+
+    python docs/surface_lights.py NAME PICTURE
+
+lamps: a lamp of two LEDs: their two pictures added up, the lamp's mirror image, and one table that was
+convolved with it (Fig. 22). Prints how far the last is from the first.
+rooms: two screens and a sheet of holographic paper in two rooms (Fig. 23).
+turned: a screen turned about its normal; the streaks turn with it (section 7).
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from surface_sheets import SCREEN, SHEET, Pixels, drawn, facing, hall, holographic, lamp, sheet, shown, write
+
+from aureole import Picture, surface
+
+# The lamp's two LEDs: place before the sample's middle, radius (metres), colour.
+LEDS = (
+    ((-0.007, 0.0, 0.4), 0.0012, np.array([1.0, 0.62, 0.30])),
+    ((0.007, 0.0, 0.4), 0.0012, np.array([0.62, 0.80, 1.0])),
+)
+STEP = 0.0006
+
+
+def lamps() -> Pixels:
+    """Return a screen under two LEDs, the lamp's mirror image, and the screen by a convolved table."""
+    table = surface.table_from_grating("lcd-342ppi", size=1024, half_range=0.6)
+    view = facing((280, 280), 0.056, 0.4)
+    truth = np.zeros((280, 280, 3))
+    for place, radius, colour in LEDS:
+        for white in lamp(place, 1.0, radius):
+            truth += colour * drawn(table, SCREEN, view, (white,), samples=1).pixels[..., :3]
+    mirror = mirror_image()
+    shape = surface.lamp_from_reflection(mirror, STEP)
+    whole = surface.convolved(table, shape)
+    found = drawn(whole, SCREEN, view, lamp((0.0, 0.0, 0.4))).pixels[..., :3]
+    found = found * (truth.sum() / found.sum())
+    print(f"two LEDs: mean difference {np.abs(found - truth).mean() / np.abs(truth).mean():.1%} of the mean")
+    scale = np.percentile(truth[..., 1], 96)
+    image = np.repeat(np.repeat(mirror.pixels, 3, axis=0), 3, axis=1)[13:293, 13:293]
+    return sheet([[shown(truth / scale, 0.0), shown(image, -1.0), shown(found / scale, 0.0)]])
+
+
+def mirror_image() -> Picture:
+    """Return what a mirror in the sample's place shows of the lamp, over h."""
+    steps = (np.arange(102 * 8) - 407.5) / 8 * STEP
+    pixels = np.zeros((102, 102, 3))
+    for place, radius, colour in LEDS:
+        inside = np.hypot(steps - place[0] / 0.4, steps[:, None]) < radius / 0.4
+        pixels += inside.reshape(102, 8, 102, 8).mean(axis=(1, 3))[..., None] * colour
+    return Picture(pixels.astype(np.float32), "rec709")
+
+
+def in_room(
+    table: "surface.ScatterTable",
+    shape: "surface.Plane",
+    view: "surface.View",
+    room: "surface.Environment",
+    frame: NDArray[np.float64],
+) -> Pixels:
+    """Return a flat sample in light from all around, over black."""
+    lit = surface.reflect(table, room, frame, 1023)
+    seen = surface.see(shape, view, surface.Pose(frame, np.zeros(3)), samples=2)
+    towards = seen.outward @ frame[:2].T.astype(np.float32)
+    towards *= np.minimum(1.0, 0.999999 / np.maximum(np.linalg.norm(towards, axis=-1, keepdims=True), 1e-9))
+    found = np.where(seen.hit[..., None], lit.towards(towards), 0.0)
+    rows, columns = view.shape
+    return np.asarray(found.reshape(rows, 2, columns, 2, 3).mean(axis=(1, 3)), dtype=np.float32)
+
+
+def windows() -> "surface.Environment":
+    """Return a room with windows and lamps on the sample's side."""
+    room = surface.lamps_and_windows(256, 3)
+    return surface.Environment(np.roll(room.radiance, 256, axis=1), room.colour_space, room.name)
+
+
+def rooms() -> Pixels:
+    """Return two screens and holographic paper in two rooms."""
+    rows = []
+    samples = [
+        (surface.table_from_grating("lcd-342ppi", size=1024), SCREEN),
+        (surface.table_from_grating("lcd-534ppi", size=1024), SCREEN),
+        (surface.table_from_grating(holographic(), size=1024), SHEET),
+    ]
+    for room, normal in ((hall(), (0.0, 0.17, 1.0)), (windows(), (0.03, 0.13, 1.0))):
+        frame = surface.frame_of(normal, (1.0, 0.0, 0.0))
+        line = []
+        for table, shape in samples:
+            height = 0.104 if shape is SCREEN else 0.13
+            view = facing((330, 240 if shape is SCREEN else 330), height, 0.25)
+            line.append(shown(in_room(table, shape, view, room, frame), -1.0))
+        rows.append(line)
+    return sheet(rows)
+
+
+def turned() -> Pixels:
+    """Return a screen in a room, turned about its normal."""
+    table = surface.table_from_grating("lcd-342ppi", size=1024)
+    view = facing((240, 240), 0.115, 0.25)
+    pictures = []
+    for turn in (0.0, 20.0, 45.0):
+        frame = surface.frame_of((0.0, 0.17, 1.0), (1.0, 0.0, 0.0), np.radians(turn))
+        pictures.append(shown(in_room(table, SCREEN, view, hall(), frame), -1.0))
+    return sheet([pictures])
+
+
+NAMES = {"lamps": lamps, "rooms": rooms, "turned": turned}
+
+if __name__ == "__main__":
+    write(NAMES[sys.argv[1]](), Path(sys.argv[2]))
