@@ -52,27 +52,13 @@ def test_averaging_keeps_a_slope_between_the_borders(length):
     np.testing.assert_allclose(found, np.linspace(-1, 1, 17)[1:-1], atol=1e-2)
 
 
-def test_a_gltf_material_carries_the_table_and_the_rest_stays(table, tmp_path):
-    scene = {"asset": {"version": "2.0"}, "materials": [{"name": "a", "doubleSided": True}, {"name": "b"}]}
-    (tmp_path / "in.gltf").write_text(json.dumps(scene))
-    place = surface.write_gltf(tmp_path / "out.gltf", tmp_path / "in.gltf", "a", table, "cd.exr", f0=0.8)
-    found = json.loads(place.read_text())
-    extras = found["materials"][0].pop("extras")[export_web.GLTF_KEY]
-    assert found == scene
-    assert (extras["texture"], extras["f0"], extras["halfRange"], extras["warp"]) == ("cd.exr", 0.8, 2.0, 3)
-
-
 def test_refusals_name_what_would_fit(table, tmp_path):
     with pytest.raises(refuse.Refusal, match=r"suffix of page\.txt"):
         surface.write_page(tmp_path / "page.txt", table)
     with pytest.raises(refuse.Refusal, match="'shape' must be one of 'plane', 'disc', 'cylinder'"):
         surface.write_page(tmp_path / "page.html", table, surface.WebView(shape="dis"))
-    with pytest.raises(refuse.Refusal, match=r"There is no file '.*none\.gltf'"):
-        surface.write_gltf(tmp_path / "out.gltf", tmp_path / "none.gltf", "a", table, "cd.exr")
-    (tmp_path / "in.gltf").write_text('{"asset": {}, "materials": [{"name": "metal"}]}')
-    with pytest.raises(refuse.Refusal, match=r"has no 'metl'\. Did you mean 'metal'"):
-        surface.write_gltf(tmp_path / "out.gltf", tmp_path / "in.gltf", "metl", table, "cd.exr")
-    assert not list(tmp_path.glob("out*"))
+    with pytest.raises(refuse.Refusal, match="'samples' must"):
+        surface.write_page(tmp_path / "page.html", table, surface.WebView(samples=5))
     assert not list(tmp_path.glob("page*"))
 
 

@@ -55,7 +55,8 @@ Drawn:
 - `_kernels*.py`: the heavy loops.
 
 Elsewhere:
-- `export_web.py`: a table as one HTML page (WebGL 2), as a GLSL function, as extras of a glTF material.
+- `export_web.py`: a table as one HTML page (WebGL 2), as a GLSL function.
+- `export_gltf.py`: a table as extras of a glTF material.
 - `mitsuba.py`: a table, or patterns by wavelength, as a BSDF of Mitsuba 3, where that is installed.
 - `mitsuba_lobes.py`: what that BSDF does to light.
 - `mitsuba_scenes.py`: a `Scene` as a scene of Mitsuba, or as its file.
@@ -84,7 +85,8 @@ from aureole.surface.environment import (
     hemisphere,
     reflect,
 )
-from aureole.surface.export_web import WebView, gltf_extras, write_glsl, write_gltf, write_page
+from aureole.surface.export_gltf import gltf_extras, write_gltf
+from aureole.surface.export_web import WebView, web_view, write_glsl, write_page
 from aureole.surface.focus import circle_of_confusion, defocus
 from aureole.surface.function import table_from_function, table_from_function_stages
 from aureole.surface.geometry import BenchGeometry, UniformGeometry
@@ -273,6 +275,7 @@ __all__ = [
     "taylor_tables",
     "taylor_tables_stages",
     "view_from",
+    "web_view",
     "write_glsl",
     "write_gltf",
     "write_mitsuba",

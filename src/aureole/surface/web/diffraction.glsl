@@ -49,14 +49,13 @@ vec3 aureole_diffraction(vec3 to_light, vec3 to_eye, vec3 tangent, vec3 bitangen
          * aureole_pattern(vec2(dot(h, tangent), dot(h, bitangent)));
 }
 
-// The mirror-like part, Cook and Torrance's lobe with Beckmann's distribution, in 1/sr.
-vec3 aureole_specular(vec3 to_light, vec3 to_eye, vec3 normal, float roughness, vec3 f0) {
+// Cook and Torrance's facets with Beckmann's distribution, without Fresnel's factor, in 1/sr.
+float aureole_facets(vec3 to_light, vec3 to_eye, vec3 normal, float roughness) {
   vec3 h = to_light + to_eye;
   float oh = 0.5 * length(h);
-  float nh = dot(normal, h) / (2.0 * oh), ni = dot(normal, to_light), no = dot(normal, to_eye);
-  if (min(ni, no) <= 0.0) return vec3(0.0);
+  float nh = min(dot(normal, h) / (2.0 * oh), 1.0), ni = dot(normal, to_light), no = dot(normal, to_eye);
+  if (min(ni, no) <= 0.0) return 0.0;
   float c2 = nh * nh, m2 = roughness * roughness;
   float spread = exp(-(1.0 - c2) / (c2 * m2)) / (AUREOLE_PI * m2 * c2 * c2);
-  float shadow = min(1.0, 2.0 * nh * min(ni, no) / oh);
-  return aureole_fresnel(oh, f0) * spread * shadow / (4.0 * ni * no);
+  return spread * min(1.0, 2.0 * nh * min(ni, no) / oh) / (4.0 * ni * no);
 }
