@@ -18,12 +18,15 @@ The table:
 
 Measured:
 - `geometry.py`: from a photograph's pixels to h, by where camera and lamp stand.
+- `photographs.py`: photographs from files, with the exposures that they say.
 - `response.py`: a camera's response from a bracket, where files are not linear in light.
 - `hdr_merge.py`: black level, and one linear photograph from a bracket.
 - `centre.py`: the zero order's place in a photograph, to a fraction of a pixel.
 - `bandwidth.py`: what a filter's width and the lens's blur do to a pattern, and undoing it.
+- `period.py`: a grating's period from its orders, and what they say against a measurement.
 - `zero_order.py`: the zero order told apart from the rest of a pattern.
 - `measure.py`: from photographs to a pattern.
+- `colour_photos.py`: a pattern for each channel of a colour photograph.
 - `photo_tables.py`: from photographs, or several measured patterns, to a table.
 - `virtual.py`: photographs that a camera would take of a surface whose diffraction is known.
 - `bokeh.py`: from a photograph of an out-of-focus highlight to heights, as far as the lens can see.
@@ -63,7 +66,7 @@ Elsewhere:
 """
 
 from aureole.surface.albedo import albedo, albedo_bound, normalised
-from aureole.surface.bandwidth import sharpen, smeared
+from aureole.surface.bandwidth import band_of, sharpen, smeared
 from aureole.surface.bokeh import (
     abbe_limit,
     abbe_note,
@@ -74,6 +77,7 @@ from aureole.surface.bokeh import (
     richardson_lucy,
 )
 from aureole.surface.centre import Centre, find_centre
+from aureole.surface.colour_photos import assumed_sensitivities, measure_channels, measure_channels_stages
 from aureole.surface.complex_lights import LampShape, convolved, lamp_from_reflection
 from aureole.surface.environment import (
     Environment,
@@ -118,6 +122,7 @@ from aureole.surface.measure import Processing, measure_pattern, measure_pattern
 from aureole.surface.meshes import mesh_of, read_mesh
 from aureole.surface.mitsuba_scenes import mitsuba_scene, write_mitsuba
 from aureole.surface.pattern import DiffractionPattern, diffraction_pattern, on_grid
+from aureole.surface.period import OrderRow, order_notes, period_of
 from aureole.surface.pfm import read_pfm, write_pfm
 from aureole.surface.photo_tables import (
     table_from_measured,
@@ -125,6 +130,7 @@ from aureole.surface.photo_tables import (
     table_from_photo,
     table_from_photo_stages,
 )
+from aureole.surface.photographs import Photographs, exposure_said, read_photographs
 from aureole.surface.prefilter import prefiltered
 from aureole.surface.quadrature import Quadrature, quadrature
 from aureole.surface.report import describe
@@ -145,7 +151,7 @@ from aureole.surface.table_cells import table_cells
 from aureole.surface.table_files import read_table, sidecar_of, write_table
 from aureole.surface.taylor_tables import TaylorTables, taylor_tables, taylor_tables_stages
 from aureole.surface.views import View, view_from
-from aureole.surface.virtual import VirtualCamera, lcd_screen, photograph
+from aureole.surface.virtual import VirtualCamera, gaussian_filter_spectrum, lcd_screen, photograph
 from aureole.surface.zero_order import ZeroOrder, split_zero_order
 
 __all__ = [
@@ -167,6 +173,8 @@ __all__ = [
     "Material",
     "Merged",
     "Mesh",
+    "OrderRow",
+    "Photographs",
     "Plane",
     "Pose",
     "Processing",
@@ -189,6 +197,8 @@ __all__ = [
     "albedo",
     "albedo_bound",
     "area_lamp",
+    "assumed_sensitivities",
+    "band_of",
     "blazed_grating",
     "bokeh_profile",
     "camera_response",
@@ -205,9 +215,11 @@ __all__ = [
     "environment_from_picture",
     "environment_light",
     "estimate_black",
+    "exposure_said",
     "find_centre",
     "fit_heights",
     "frame_of",
+    "gaussian_filter_spectrum",
     "gltf_extras",
     "grating",
     "groove_grating",
@@ -220,6 +232,8 @@ __all__ = [
     "lcd_screen",
     "littrow_angle",
     "lookup",
+    "measure_channels",
+    "measure_channels_stages",
     "measure_pattern",
     "measure_pattern_stages",
     "merge",
@@ -230,7 +244,9 @@ __all__ = [
     "multislit_grating",
     "normalised",
     "on_grid",
+    "order_notes",
     "orders",
+    "period_of",
     "photograph",
     "pixel_pitch",
     "point_lamp",
@@ -240,6 +256,7 @@ __all__ = [
     "radial_grating",
     "read_mesh",
     "read_pfm",
+    "read_photographs",
     "read_table",
     "reflect",
     "render",

@@ -29,6 +29,42 @@ MOST_WAVELENGTHS = 64
 REACHED = 1e-2  # of a sample's light: what the photograph saw less of says nothing about it
 
 
+def band_of(*parts: Spectrum) -> Spectrum:
+    """Multiply a lamp, a filter and a sensor into the band that a photograph shows.
+
+    Parameters
+    ----------
+    *parts : Spectrum
+        One or more; one of them at most of kind "lines".
+
+    Returns
+    -------
+    Spectrum
+        Of kind "lines" where one is, and otherwise "power".
+
+    Raises
+    ------
+    refuse.Refusal
+        Where no light passes all of them, or two are lines.
+    """
+    lines = [part for part in parts if part.kind == "lines"]
+    if not parts or len(lines) > 1:
+        raise refuse.Refusal("A band needs one spectrum or more, and one of lines at most.")
+    places = (
+        lines[0].wavelengths if lines else np.unique(np.concatenate([part.wavelengths for part in parts]))
+    )
+    values = np.ones(places.size)
+    for part in parts:
+        if part.kind == "lines":
+            values = values * part.values
+        else:
+            values = values * np.interp(places, part.wavelengths, part.values, left=0.0, right=0.0)
+    if not values.any():
+        names = ", ".join(part.name for part in parts)
+        raise refuse.Refusal(f"No light passes all of: {names}.")
+    return Spectrum(places, values, "lines" if lines else "power", " × ".join(part.name for part in parts))
+
+
 def mean_wavelength(band: Spectrum) -> float:
     """Return the mean wavelength of a band, which its pattern belongs to best.
 

@@ -20,6 +20,7 @@ from aureole.surface.centre import Centre, find_centre
 from aureole.surface.geometry import Geometry, farthest_h, pixel_map
 from aureole.surface.hdr_merge import merge
 from aureole.surface.pattern import DiffractionPattern
+from aureole.surface.period import order_notes, period_of
 from aureole.surface.response import Response
 
 MOST_SAMPLES = 4097  # along an axis
@@ -63,6 +64,9 @@ class Processing:
         Exponent of the model, which undoing a band's width needs: 4 phase, 2 amplitude.
     iterations : int
         Of `sharpen`.
+    period : float, sequence of two floats, or None
+        A known period in metres of the sample, along both directions or along tangent and bitangent, against
+        which the orders are checked; None does not know.
     half_range : float or None
         h · t and h · b of the outermost samples; None covers the whole photograph.
     size : int or None
@@ -84,6 +88,7 @@ class Processing:
     blur: float | None = None
     power: float = 4.0
     iterations: int = 10
+    period: float | Sequence[float] | None = None
     half_range: float | None = None
     size: int | None = None
     name: str = "measured"
@@ -110,14 +115,15 @@ def measure_pattern(
         Metres: the band's.
     **processing : dict
         What `Processing` has: black, saturation, read_noise, gain, response, flat, centre, irradiance,
-        reflectance, band, blur, power, iterations, half_range, size, name.
+        reflectance, band, blur, power, iterations, period, half_range, size, name.
 
     Returns
     -------
     DiffractionPattern
         M(h) = L(h) / (4 π² F_0² E(h)) by Eq. 14, zero where the photograph does not reach. Its metadata say
         where the zero order was found ("centre", "centre_method", "symmetry") and how large a share of the
-        pixels all exposures clipped ("saturated_share").
+        pixels all exposures clipped ("saturated_share"); the "period" along tangent and bitangent in metres,
+        None without orders; and under "notes" what the orders have against wavelength and geometry.
 
     Raises
     ------
@@ -188,7 +194,7 @@ def measure_pattern_stages(
             if stage.result is None:
                 yield Stage((before + stage.fraction * (work - before)) / work, stage.label)
         pattern = stage.result
-    yield Stage(1.0, "pattern", pattern)
+    yield Stage(1.0, "pattern", _checked(pattern, how, seen))
 
 
 def locate(photo: NDArray[np.float64], centre: tuple[float, float] | str) -> Centre:
@@ -294,6 +300,15 @@ def _bracket(
 
 def _shape(photo: NDArray[np.float64]) -> tuple[int, int]:
     return photo.shape[0], photo.shape[1]
+
+
+def _checked(pattern: DiffractionPattern, how: Processing, seen: NDArray[np.bool_]) -> DiffractionPattern:
+    """Add to a pattern what its orders say."""
+    found = {
+        "period": [None if row is None else row.period for row in period_of(pattern, seen)],
+        "notes": list(order_notes(pattern, how.period, seen=seen)),
+    }
+    return replace(pattern, metadata={**pattern.metadata, **found})
 
 
 def _processing(options: dict[str, Any]) -> Processing:

@@ -102,7 +102,7 @@ def camera_response(
     if top is None:
         top = 255.0 if stack.max() > 1.0 else 1.0
     top = refuse.positive("top", top)
-    places = np.clip(stack[:, _samples(stack, top)] / top, 0.0, 1.0) * (LEVELS - 1)
+    places = np.clip(stack.reshape(len(stack), -1)[:, _samples(stack, top)] / top, 0.0, 1.0) * (LEVELS - 1)
     curve = np.maximum.accumulate(_solved(places, np.log(times), refuse.positive("smoothness", smoothness)))
     if not curve[-1] - curve[0] > 0.1:
         raise refuse.Refusal("'photos' do not brighten with 'exposures': no response can be found.")
@@ -147,7 +147,7 @@ def hat(share: Values) -> Values:
     return np.clip(2.0 * np.minimum(share, 1.0 - share), 0.0, 1.0)
 
 
-def _samples(stack: Values, top: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _samples(stack: Values, top: float) -> NDArray[np.intp]:
     """Choose pixels that tell the response: calm ones, evenly over brightness, not clipped in all."""
     inside = (stack > _ENDS * top) & (stack < (1.0 - _ENDS) * top)
     useful = np.flatnonzero(inside.sum(axis=0) >= min(2, len(stack)))
@@ -163,9 +163,7 @@ def _samples(stack: Values, top: float) -> tuple[NDArray[np.intp], NDArray[np.in
     # Even steps of brightness, not of rank: dark pixels are the most.
     targets = np.linspace(bright.min(), bright.max(), count)
     order = np.argsort(bright, kind="stable")
-    chosen = np.unique(calm[order[np.clip(np.searchsorted(bright[order], targets), 0, calm.size - 1)]])
-    rows, columns = np.unravel_index(chosen, stack.shape[1:])
-    return rows, columns
+    return np.unique(calm[order[np.clip(np.searchsorted(bright[order], targets), 0, calm.size - 1)]])
 
 
 def _checked(photos: Sequence[ArrayLike], exposures: Sequence[float]) -> tuple[Values, Values]:
