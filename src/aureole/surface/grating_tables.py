@@ -143,9 +143,9 @@ def needed_wavelengths(
 ) -> int:
     """Return how many wavelengths keep orders from falling apart into dots.
 
-    From one wavelength to the next an order at h moves by h Δλ / λ, which shall be no more than half of an
-    order's own width, λ over the length that is lit in phase, or half of a cell of the table, whichever is
-    wider there.
+    From one wavelength to the next an order at h moves by h Δλ / λ, which shall be no more than a third of an
+    order's own width, λ over the length that is lit in phase, or of a cell of the table, whichever is wider
+    there.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def needed_wavelengths(
             width = np.maximum(high - low, SHORTEST / length)
             # The outermost cells are halves, which says nothing about how far wavelengths may lie apart.
             within = (h > 0) & (h < half_range)
-            step = SHORTEST * 0.5 * float(np.min((width / np.where(within, h, 1.0))[within], initial=1.0))
+            step = SHORTEST / 3.0 * float(np.min((width / np.where(within, h, 1.0))[within], initial=1.0))
             need = max(need, math.ceil((LONGEST - SHORTEST) / step) + 1)
     return min(need, MOST_WAVELENGTHS)
 
@@ -191,7 +191,10 @@ def _products(
     along_b, along_t = np.stack(rows, axis=1), np.stack(columns)
     values = np.empty((b.shape[1], t.shape[1], 3), np.float32)
     for channel, share in enumerate(np.stack(weights, axis=1)):
-        values[..., channel] = np.maximum((along_b * share) @ along_t, 0.0)
+        # Lines that run on spread all wavelengths alike along b.
+        alike = lines.across is None
+        plane = np.outer(rows[0], share @ along_t) if alike else (along_b * share) @ along_t
+        values[..., channel] = np.maximum(plane, 0.0)
     return values
 
 

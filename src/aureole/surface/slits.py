@@ -24,6 +24,8 @@ PROFILES = ("slits", "grooves", "blazed")
 STEPS_A_FRINGE = 16
 # A cell below this share of an order's width is one parabola.
 SMALL_CELL = 0.25
+# Gauss's three points from -1 to 1.
+NODES, SHARES = np.polynomial.legendre.leggauss(3)
 
 Array = NDArray[np.float64]
 
@@ -145,40 +147,51 @@ class Lines:
 
     def _by_order(self, orders: Array, waves: float) -> Array:
         """Return the density per order."""
-        rest = orders - np.round(orders)
-        comb = self.count * (np.sinc(self.count * rest) / np.sinc(rest)) ** 2
-        return self._power(orders, waves) * comb
+        return self._power(orders, waves) * _comb(self.count, orders)
 
     def _energy(self, first: Array, last: Array, waves: float) -> Array:
         """Return the light between orders first and last."""
         span = last - first
         small = span * self.count < SMALL_CELL
-        reach = float(max(np.abs(first).max(), np.abs(last).max(), 1.0))
-        running = _running(self, waves, 2.0 ** np.ceil(np.log2(reach)))
+        reach = int(np.ceil(max(np.abs(first).max(), np.abs(last).max(), 1.0)))
+        if self.profile == "slits":
+            # The same for all wavelengths, so that a few of them serve.
+            reach = 2 ** (reach - 1).bit_length()
+        running = _running(self, waves, reach)
         energy = np.asarray(running(last) - running(first))
         # Differences of a running integral lose their digits in small cells: Gauss's three points do not.
         middle, half = 0.5 * (first + last)[small], 0.5 * span[small]
-        nodes, weights = np.polynomial.legendre.leggauss(3)
         energy[small] = half * sum(
             weight * self._by_order(middle + half * node, waves)
-            for node, weight in zip(nodes, weights, strict=True)
+            for node, weight in zip(NODES, SHARES, strict=True)
         )
         return energy
 
 
+def _comb(count: int, orders: Array) -> Array:
+    """Return what `count` periods make of one: N sin²(N π q) / (N² sin²(π q)) about whole q."""
+    rest = orders - np.round(orders)
+    return np.asarray(count * (np.sinc(count * rest) / np.sinc(rest)) ** 2)
+
+
 @lru_cache(maxsize=8)
-def _running(lines: Lines, waves: float, reach: float) -> CubicHermiteSpline:
+def _running(lines: Lines, waves: float, reach: int) -> CubicHermiteSpline:
     """Integrate the density per order from -reach upward."""
-    steps = int(np.ceil(2.0 * reach * STEPS_A_FRINGE * lines.count))
-    edges = np.linspace(-reach, reach, steps + 1)
-    half = reach / steps
-    nodes, weights = np.polynomial.legendre.leggauss(3)
-    parts = sum(
-        weight * lines._by_order(edges[:-1] + half * (1.0 + node), waves)
-        for node, weight in zip(nodes, weights, strict=True)
-    )
+    edges, places, combs = _steps(lines.count, reach)
+    at_edges, *inside = (lines._power(place, waves) * comb for place, comb in zip(places, combs, strict=True))
+    parts = sum(share * part for share, part in zip(SHARES, inside, strict=True))
+    half = 0.5 * (edges[1] - edges[0])
     total = np.concatenate([[0.0], np.cumsum(half * parts)])
-    return CubicHermiteSpline(edges, total, lines._by_order(edges, waves))
+    return CubicHermiteSpline(edges, total, at_edges)
+
+
+@lru_cache(maxsize=16)
+def _steps(count: int, reach: int) -> tuple[Array, list[Array], list[Array]]:
+    """Return steps from -reach to reach, their edges and Gauss's points, and the comb there."""
+    edges = np.linspace(-reach, reach, 2 * reach * STEPS_A_FRINGE * count + 1)
+    half = 0.5 * (edges[1] - edges[0])
+    places = [edges, *(edges[:-1] + half * (1.0 + node) for node in NODES)]
+    return edges, places, [_comb(count, place) for place in places]
 
 
 def multislit(
