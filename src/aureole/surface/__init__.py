@@ -29,7 +29,8 @@ Measured:
 - `colour_photos.py`: a pattern for each channel of a colour photograph.
 - `photo_tables.py`: from photographs, or several measured patterns, to a table.
 - `virtual.py`: photographs that a camera would take of a surface whose diffraction is known.
-- `bokeh.py`: from a photograph of an out-of-focus highlight to heights, as far as the lens can see.
+- `bokeh.py`: steps from a photograph of an out-of-focus highlight to heights, and how far a lens sees.
+- `bokeh_photo.py`: all of them: `Bokeh`, its heights, lines and the number of lit slits.
 
 From formulas and heights:
 - `slits.py`: lines in one direction: slits, grooves, blazed facets; exact means over intervals of h.
@@ -76,6 +77,7 @@ from aureole.surface.bokeh import (
     pixel_pitch,
     richardson_lucy,
 )
+from aureole.surface.bokeh_photo import Bokeh, heights_from_bokeh, heights_from_bokeh_stages
 from aureole.surface.centre import Centre, find_centre
 from aureole.surface.colour_photos import assumed_sensitivities, measure_channels, measure_channels_stages
 from aureole.surface.complex_lights import LampShape, convolved, lamp_from_reflection
@@ -158,6 +160,7 @@ __all__ = [
     "METHODS",
     "MODELS",
     "BenchGeometry",
+    "Bokeh",
     "Centre",
     "Cylinder",
     "DiffractionPattern",
@@ -225,6 +228,8 @@ __all__ = [
     "groove_grating",
     "height_field",
     "height_pattern",
+    "heights_from_bokeh",
+    "heights_from_bokeh_stages",
     "hemisphere",
     "irradiance",
     "lamp_from_reflection",
