@@ -62,10 +62,10 @@ function turned({ yaw, pitch, axes }) {
   return times([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]], times([[1, 0, 0], [0, cp, -sp], [0, sp, cp]], own));
 }
 
-function uniforms(gl, program, width, height) {
+function uniforms(gl, program, width, height, wider = 1) {
   const at = (name) => gl.getUniformLocation(program, name);
   const numbers = {
-    view_slope: Math.tan(state.field_of_view / 2), sweep: state.sweep, exposure: 2 ** state.exposure,
+    view_slope: wider * Math.tan(state.field_of_view / 2), sweep: state.sweep, exposure: 2 ** state.exposure,
     specular: state.specular, roughness: state.roughness, diffraction: state.diffraction,
     aureole_scale: table.scale, aureole_half_range: table.half_range, aureole_warp: table.warp,
   };
@@ -95,22 +95,26 @@ function draw(gl, program) {
   canvas.style.width = `${width}px`;
   canvas.style.height = `${height}px`;
   gl.viewport(0, 0, canvas.width, canvas.height);
-  uniforms(gl, program, canvas.width, canvas.height);
+  // A window that is higher than it is wide shows as much to each side as above and below.
+  uniforms(gl, program, canvas.width, canvas.height, state.size ? 1 : Math.max(1, canvas.height / canvas.width));
   gl.drawArrays(gl.TRIANGLES, 0, 3);
 }
 
-// How bright a small picture of the object is, as it is shown: the mean of its pixels' largest channels.
-function brightness(gl, program, pixels) {
+// Whether a small picture of the object is too bright: by the mean of its pixels' largest channels, or by how many
+// are burnt out.
+function bright(gl, program, pixels) {
   uniforms(gl, program, 160, 90);
   gl.drawArrays(gl.TRIANGLES, 0, 3);
   gl.readPixels(0, 0, 160, 90, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
-  let [sum, count] = [0, 0];
+  let [sum, burnt, count] = [0, 0, 0];
   for (let k = 0; k < pixels.length; k += 4) {
     if (pixels[k + 3] < 255) continue;
-    sum += Math.max(pixels[k], pixels[k + 1], pixels[k + 2]);
-    count += 255;
+    const largest = Math.max(pixels[k], pixels[k + 1], pixels[k + 2]);
+    sum += largest / 255;
+    burnt += Number(largest === 255);
+    count += 1;
   }
-  return count ? sum / count : 1;
+  return sum > 0.42 * count || burnt > 0.03 * count;
 }
 
 // The exposure at which the object is neither dark nor burnt out.
@@ -124,7 +128,7 @@ function exposed(gl, program) {
   let [low, high] = [-24, 24];
   for (let k = 0; k < 10; k++) {
     state.exposure = (low + high) / 2;
-    if (brightness(gl, program, pixels) > 0.42) high = state.exposure; else low = state.exposure;
+    if (bright(gl, program, pixels)) high = state.exposure; else low = state.exposure;
   }
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   return Math.abs(state.exposure) > 23 ? 0 : state.exposure;
@@ -236,9 +240,11 @@ async function begin() {
       if (asleep) requestAnimationFrame(() => { asleep = true; draw(gl, program); });
       asleep = false;
     };
+    document.querySelector("details").open = window.innerWidth > 700;
     show();
     listen(redraw);
     draw(gl, program);
+    document.documentElement.dataset.exposure = state.exposure;
     document.documentElement.dataset.ready = "yes";
   } catch (error) {
     complain(`This page's picture cannot be drawn here.\n${error.message}`);
