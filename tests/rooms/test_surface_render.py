@@ -1,7 +1,5 @@
 """The shader against the formula written out, and what must hold whatever the table."""
 
-import types
-
 import numpy as np
 import pytest
 
@@ -20,6 +18,7 @@ from aureole.surface import (
     point_lamp,
     pose_of,
     render,
+    scatter_table,
     schlick,
     see,
     shade,
@@ -31,12 +30,12 @@ VIEW = view_from((0.02, 0.05, 0.5), shape=(31, 44), field_of_view=0.35)
 POSE = pose_of(tilt=-0.3, spin=0.4)
 
 
-def sheet(function, shape=(65, 65), warp=1, half_range=2.0):
+def sheet(function, shape=(65, 65), warp=1, half_range=2.0, white=(1.0, 1.0, 1.0)):
     """Sample a function of h·t and h·b as a table whose row 0 is +h·b."""
     v, u = (np.linspace(1, -1, shape[0]), np.linspace(-1, 1, shape[1]))
     hb, ht = half_range * v[:, None] ** warp, half_range * u[None, :] ** warp
-    values = np.stack(np.broadcast_arrays(*function(ht, hb)), -1).astype(np.float32)
-    return types.SimpleNamespace(values=values, half_range=half_range, warp=warp, white=np.ones(3))
+    values = np.stack([np.broadcast_to(part, shape) for part in function(ht, hb)], -1).astype(np.float32)
+    return scatter_table(values, white, half_range, warp)
 
 
 def plain(ht, hb):
@@ -169,7 +168,7 @@ def test_masks_and_regions_choose_over_the_texture():
 def test_the_picture_is_the_mean_of_what_its_samples_show(shape, samples):
     lamps = (point_lamp((0.1, 0.1, 0.3)), distant_lamp((0.2, 0, 1)))
     prepared = shader(sheet(plain), Material(0.1, 0.2, 0.2))
-    picture = render(Scene(lamps, VIEW, POSE), prepared, shape, samples).pixels
+    picture = render(Scene(lamps, VIEW, POSE, shadows=False), prepared, shape, samples).pixels
     drawn = shade(prepared, see(shape, VIEW, POSE, samples), lamps)
     rows, columns = VIEW.shape
     wanted = drawn.reshape(rows, samples, columns, samples, 4).mean(axis=(1, 3))
@@ -179,8 +178,7 @@ def test_the_picture_is_the_mean_of_what_its_samples_show(shape, samples):
 def test_white_stays_white():
     """A table that reflects all wavelengths alike shows its light's white as neutral."""
     white = np.array([1.0985, 1.0, 0.3558])  # of illuminant A
-    table = sheet(lambda ht, hb: (white[0] + 0 * ht, white[1] + 0 * ht, white[2] + 0 * ht))
-    table.white = white
+    table = sheet(lambda ht, hb: (white[0] + 0 * ht, white[1] + 0 * ht, white[2] + 0 * ht), white=white)
     colour = render(Scene((distant_lamp((0, 0, 1)),), VIEW), table, Plane(1, 1)).pixels[10, 10]
     np.testing.assert_allclose(colour[:3], colour[0], rtol=1e-4)
 

@@ -47,8 +47,12 @@ Drawn:
 - `meshes.py`: in: an OBJ or PLY file, or arrays, out: a `Mesh` with a tangent at each corner.
 - `lamps.py`: near and distant lamps, areas.
 - `material.py`: diffuse and mirror-like parts, Fresnel's factor, the window over a table.
+- `rasters.py`: the triangles of a mesh that a view sees.
+- `shading.py`: tables, material and maps made ready once: `Shader`, `shade`.
+- `shadows.py`: which samples a lamp reaches.
+- `around.py`: light from all around in a picture.
 - `scene.py`: `render`: lamps, view, material, table and shape in, a `Picture` out.
-- `focus.py`: depth of field: a picture's layers blurred by their depths.
+- `focus.py`: depth of field: views through a lens's points, or a picture's layers blurred by their depths.
 - `environment.py`: light from all around on a flat sample, towards all views by one correlation.
 - `quadrature.py`: the same summed direction by direction: the reference.
 - `prefilter.py`: the same by the surface paper's reflection map, for comparison.
@@ -93,7 +97,7 @@ from aureole.surface.environment import (
 )
 from aureole.surface.export_gltf import gltf_extras, write_gltf
 from aureole.surface.export_web import WebView, web_view, write_glsl, write_page
-from aureole.surface.focus import circle_of_confusion, defocus
+from aureole.surface.focus import ThinLens, circle_of_confusion, defocus, lens_views
 from aureole.surface.function import table_from_function, table_from_function_stages
 from aureole.surface.geometry import BenchGeometry, UniformGeometry
 from aureole.surface.grating_tables import table_from_grating, table_from_grating_stages
@@ -119,7 +123,7 @@ from aureole.surface.height_tables import (
 )
 from aureole.surface.integrate import METHODS, table_from_pattern, table_from_pattern_stages
 from aureole.surface.lamps import Lamp, area_lamp, distant_lamp, point_lamp
-from aureole.surface.material import Material, conductor, schlick
+from aureole.surface.material import Material, conductor, material_of, schlick
 from aureole.surface.measure import Processing, measure_pattern, measure_pattern_stages
 from aureole.surface.meshes import mesh_of, read_mesh
 from aureole.surface.mitsuba_scenes import mitsuba_scene, write_mitsuba
@@ -138,7 +142,8 @@ from aureole.surface.quadrature import Quadrature, quadrature
 from aureole.surface.report import describe
 from aureole.surface.response import Response, camera_response
 from aureole.surface.rooms import lamps_and_windows
-from aureole.surface.scene import Scene, Shader, render, render_stages, shade, shader
+from aureole.surface.scene import Scene, render, render_stages
+from aureole.surface.shading import Shader, shade, shader
 from aureole.surface.shapes import Cylinder, Disc, Mesh, Plane, Pose, Seen, pose_of, see
 from aureole.surface.slits import Lines, multislit
 from aureole.surface.surroundings import (
@@ -190,6 +195,7 @@ __all__ = [
     "Shader",
     "Surroundings",
     "TaylorTables",
+    "ThinLens",
     "UniformGeometry",
     "View",
     "VirtualCamera",
@@ -235,8 +241,10 @@ __all__ = [
     "lamp_from_reflection",
     "lamps_and_windows",
     "lcd_screen",
+    "lens_views",
     "littrow_angle",
     "lookup",
+    "material_of",
     "measure_channels",
     "measure_channels_stages",
     "measure_pattern",

@@ -1,5 +1,6 @@
 """Lamps before a surface: near ones, whose direction differs from point to point, distant ones, and areas."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,8 +13,8 @@ from aureole import refuse
 class Lamp:
     """A point of light, or light from one direction.
 
-    Its spectrum is that of the table it is reflected by: what is white under it comes out neutral. Lamps of
-    other spectra want tables of their own, and their pictures add up.
+    Its spectrum is that of the table it is reflected by. Lamps of other spectra have tables of their own:
+    `light` says which.
 
     Parameters
     ----------
@@ -25,12 +26,15 @@ class Lamp:
         Whether it is so far away that it has one direction and one irradiance.
     facing : ndarray of float64, shape (3,)
         Unit vector along which it shines with a cosine, as a small flat lamp; zeros shine all ways alike.
+    light : int
+        Which of a shader's lights it has: 0 is the first table's.
     """
 
     place: NDArray[np.float64]
     intensity: NDArray[np.float64]
     distant: bool = False
     facing: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
+    light: int = 0
 
 
 def point_lamp(place: ArrayLike, intensity: ArrayLike = 1.0) -> Lamp:
@@ -122,21 +126,36 @@ def area_lamp(
     return tuple(Lamp(middle + x * across + y * along, share, facing=facing) for y in ys for x in xs)
 
 
-def lamp_rows(lamps: tuple[Lamp, ...]) -> NDArray[np.float32]:
+def lamp_rows(lamps: Sequence[Lamp], whites: NDArray[np.floating], tables: int) -> NDArray[np.float32]:
     """Write lamps as rows of numbers for the shader.
 
     Parameters
     ----------
-    lamps : tuple of Lamp
+    lamps : sequence of Lamp
         The lamps.
+    whites : ndarray of float, shape (K, 3)
+        Colour of a white surface under each light.
+    tables : int
+        Tables that each light has.
 
     Returns
     -------
-    ndarray of float32, shape (L, 10)
-        Place, 1 for a place or 0 for a direction, intensity, facing.
+    ndarray of float32, shape (L, 14)
+        Place, 1 for a place or 0 for a direction, intensity, facing, the first table, the intensity's colour.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a lamp has a light that is not there.
     """
-    rows = [[*one.place, 0.0 if one.distant else 1.0, *one.intensity, *one.facing] for one in lamps]
-    return np.array(rows, dtype=np.float32).reshape(-1, 10)
+    rows = []
+    for one in lamps:
+        if refuse.at_least("light", one.light, 0) >= len(whites):
+            raise refuse.Refusal(f"'light' must be an integer from 0 to {len(whites) - 1}, got {one.light}.")
+        colour = one.intensity * whites[one.light]
+        near = 0.0 if one.distant else 1.0
+        rows.append([*one.place, near, *one.intensity, *one.facing, one.light * tables, *colour])
+    return np.array(rows, dtype=np.float32).reshape(-1, 14)
 
 
 def _vector(name: str, value: ArrayLike) -> NDArray[np.float64]:

@@ -1,11 +1,12 @@
 """What a surface is made of besides its table: diffuse and mirror-like parts, Fresnel's factor, a window."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from aureole import refuse
+from aureole import light, refuse
+from aureole.surface.table import ScatterTable, neutral_white
 
 GEOMETRY = ("one", "stam")
 _COSINES = 1025
@@ -21,8 +22,8 @@ class Material:
     ----------
     diffuse : array_like, shape () or (3,)
         Albedo of the diffuse part, linear RGB.
-    specular : float
-        Weight of the Cook-Torrance lobe (Beckmann's distribution).
+    specular : array_like, shape () or (3,)
+        Weight of the Cook-Torrance lobe (Beckmann's distribution), linear RGB.
     roughness : float
         Root mean square slope m of its facets.
     diffraction : float
@@ -38,7 +39,7 @@ class Material:
     """
 
     diffuse: ArrayLike = 0.0
-    specular: float = 0.0
+    specular: ArrayLike = 0.0
     roughness: float = 0.1
     diffraction: float = 1.0
     fresnel: NDArray[np.floating] | None = None
@@ -101,17 +102,63 @@ def conductor(index: ArrayLike, absorption: ArrayLike) -> NDArray[np.float32]:
     return np.asarray(0.5 * (np.abs(across) ** 2 + np.abs(along) ** 2), dtype=np.float32)
 
 
-def shader_numbers(material: Material) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def material_of(table: ScatterTable, material: Material | None = None, roughness: float = 0.02) -> Material:
+    """Give a material the mirror-like lobe that a table has left out.
+
+    A table whose `zero_order` is "specular" says how much light its order at h = 0 holds. As a lobe that
+    light keeps the lamp's colour, where scaled with the wavelength it would not.
+
+    Parameters
+    ----------
+    table : ScatterTable
+        Any; the material stays as it is where nothing was left out.
+    material : Material or None
+        To be changed; None is a surface that only diffracts.
+    roughness : float
+        Of the lobe, where the table does not say how wide the order is.
+
+    Returns
+    -------
+    Material
+        With `specular` so that the lobe reflects at normal incidence what the order did, F² of it, and with
+        `roughness` so that it is as wide.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the table has no number of its energy.
+    """
+    given = Material() if material is None else material
+    if table.zero_order != "specular":
+        return given
+    if "zero_order_energy" not in table.metadata:
+        raise refuse.Refusal(
+            "The table's metadata must say its 'zero_order_energy' where its zero order is specular."
+        )
+    energy = refuse.all_finite("zero_order_energy", table.metadata["zero_order_energy"])
+    white = np.asarray(table.white, dtype=np.float64)
+    # One number is of S itself, in every channel alike; three are shares of the light in X, Y and Z.
+    share = 4.0 * np.pi**2 * float(energy) * white if energy.ndim == 0 else energy.astype(np.float64)
+    colour = np.maximum(light.from_xyz(share, "rec709", neutral_white(white, "rec709")), 0.0)
+    normal = 1.0 if given.fresnel is None else np.asarray(given.fresnel)[-1]
+    # A facet of slope m about the mirror's has h twice as far out; each component spreads by m / √2.
+    width = float(table.metadata.get("zero_order_width", 0.0)) / np.sqrt(2.0)
+    return replace(given, specular=colour * normal, roughness=max(width, 1e-3) if width else roughness)
+
+
+def shader_numbers(material: Material, half_range: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Check a material and write it as the shader's numbers.
 
     Parameters
     ----------
     material : Material
         The material.
+    half_range : float
+        |h| at the table's border.
 
     Returns
     -------
-    numbers : ndarray of float32, shape (9,)
+    numbers : ndarray of float32, shape (12,)
         As `_kernels_shade.shade` takes them.
     fresnel : ndarray of float32, shape (K, 3)
         Its Fresnel factors; of a perfect mirror where it has none.
@@ -121,10 +168,7 @@ def shader_numbers(material: Material) -> tuple[NDArray[np.float32], NDArray[np.
     refuse.Refusal
         Where a number is out of range.
     """
-    diffuse = np.broadcast_to(refuse.all_finite("diffuse", material.diffuse), (3,))
-    if (diffuse < 0).any():
-        raise refuse.Refusal(f"'diffuse' must be >= 0, got {diffuse.tolist()}.")
-    specular = refuse.between("specular", material.specular, 0.0, np.inf)
+    diffuse, specular = _colour("diffuse", material.diffuse), _colour("specular", material.specular)
     diffraction = refuse.between("diffraction", material.diffraction, 0.0, np.inf)
     roughness = refuse.between("roughness", material.roughness, 1e-3, 10.0)
     window = (0.0, 0.0)
@@ -135,5 +179,20 @@ def shader_numbers(material: Material) -> tuple[NDArray[np.float32], NDArray[np.
     fresnel = schlick(1.0) if material.fresnel is None else refuse.all_finite("fresnel", material.fresnel)
     if fresnel.ndim != 2 or fresnel.shape[0] < 2 or fresnel.shape[1] != 3:
         raise refuse.Refusal(f"'fresnel' must be an array of shape (K >= 2, 3), got {fresnel.shape}.")
-    numbers = [*(diffuse / np.pi), specular, 4.0 * np.pi**2 * diffraction, roughness, *window, stam]
+    numbers = [
+        *(diffuse / np.pi),
+        *specular,
+        4.0 * np.pi**2 * diffraction,
+        roughness,
+        *window,
+        stam,
+        half_range,
+    ]
     return np.array(numbers, dtype=np.float32), np.ascontiguousarray(fresnel, dtype=np.float32)
+
+
+def _colour(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    colour = np.broadcast_to(refuse.all_finite(name, value), (3,)).astype(np.float64)
+    if (colour < 0).any():
+        raise refuse.Refusal(f"'{name}' must be >= 0, got {colour.tolist()}.")
+    return colour

@@ -1,23 +1,27 @@
-"""A material on a shape under lamps, seen by a view: the picture, whole or in stages."""
+"""A material on a shape under lamps and light from all around, seen by a view: the picture, or its stages."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from aureole import light, refuse
+from aureole import picture, refuse
+from aureole.aperture.bands import in_bands
 from aureole.records import Picture, Stage
-from aureole.surface import _kernels_shade
-from aureole.surface.lamps import Lamp, lamp_rows
-from aureole.surface.material import Material, shader_numbers
-from aureole.surface.shapes import Mesh, Pose, Seen, Shape, see, shape_numbers
-from aureole.surface.table import ScatterTable
+from aureole.surface.around import Around
+from aureole.surface.environment import Environment
+from aureole.surface.focus import ThinLens, lens_views
+from aureole.surface.lamps import Lamp
+from aureole.surface.material import Material
+from aureole.surface.shading import Shader, Tables, add_light, shader, turned
+from aureole.surface.shadows import Shadow
+from aureole.surface.shapes import Caster, Cylinder, Disc, Mesh, Plane, Pose, Seen, Shape, blocked, see
 from aureole.surface.views import View
 
-# Samples between two stages; a mesh keeps a frame for each of them.
-_BAND = 1 << 20
+_BAND = 1 << 20  # samples between two stages
+_CHUNK = 1 << 13  # samples that a thread casts and shades before the next
+_BYTES = 300  # of memory that a sample of a band takes where frames are kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,135 +31,50 @@ class Scene:
     Parameters
     ----------
     lamps : tuple of Lamp
-        The lamps; all with the spectrum of the table.
+        The lamps with the spectrum of the table.
     view : View
         The view.
     pose : Pose
         Where the shape is.
-    material : Material
-        Its material.
+    material : Material or None
+        Its material; None is a surface that only diffracts (`material_of` its table).
     mask : ndarray of float32, shape (rows, columns), or None
         How much diffracts, 0..1, over the texture coordinates, row 0 at v = 1 (segmentation; surface paper,
         Fig. 20).
     regions : ndarray of int, shape (rows, columns), or None
         Which table each part has, where several are given; as the mask.
+    angles : ndarray of float, shape (rows, columns), or None
+        By how much the tangent is turned towards the bitangent, in radians; as the mask.
+    groups : tuple of (tuple of Lamp, ScatterTable or sequence of them)
+        Lamps of other spectra, each group with the surface's tables under it. White of the first table's
+        light is the picture's white.
+    environment : Environment or None
+        Light from all around, with the spectrum of the first table where it is white.
+    environment_samples : int
+        Cells that a table is cut into for light from all around on shapes that are not flat.
+    shadows : bool
+        Whether cylinders and meshes keep lamps' light from themselves.
+    lens : ThinLens or None
+        Depth of field: a view from each of its points; None is a pinhole.
     """
 
     lamps: tuple[Lamp, ...]
     view: View
     pose: Pose = field(default_factory=Pose)
-    material: Material = field(default_factory=Material)
+    material: Material | None = None
     mask: NDArray[np.floating] | None = None
     regions: NDArray[np.integer] | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Shader:
-    """Tables, material and maps as the shader's arrays: made once, used for many frames.
-
-    Parameters
-    ----------
-    tables : ndarray of float32, shape (T, rows, columns, 3)
-        Linear colour.
-    half_range : float
-        |h| at their borders.
-    warp : int
-        Their power.
-    numbers, fresnel : ndarray of float32
-        From `shader_numbers`.
-    mask : ndarray of float32, shape (rows, columns)
-        How much diffracts.
-    regions : ndarray of int32, shape (rows, columns)
-        Which table.
-    colour_space : str
-        Of tables and pictures.
-    """
-
-    tables: NDArray[np.float32]
-    half_range: float
-    warp: int
-    numbers: NDArray[np.float32]
-    fresnel: NDArray[np.float32]
-    mask: NDArray[np.float32]
-    regions: NDArray[np.int32]
-    colour_space: str = "rec709"
-
-
-def shader(
-    table: ScatterTable | Sequence[ScatterTable],
-    material: Material | None = None,
-    mask: ArrayLike | None = None,
-    regions: ArrayLike | None = None,
-    colour_space: str = "rec709",
-) -> Shader:
-    """Prepare tables, a material and maps for shading.
-
-    Parameters
-    ----------
-    table : ScatterTable, or sequence of them
-        One, or one for each number in `regions`: of one size, range and warp.
-    material : Material or None
-        None is a surface that only diffracts.
-    mask : array_like, shape (rows, columns), or None
-        How much diffracts, 0..1.
-    regions : array_like of int, shape (rows, columns), or None
-        Which table each part has.
-    colour_space : str
-        A name in `aureole.light.SPACES`; white of the table's light becomes white of it.
-
-    Returns
-    -------
-    Shader
-        What `shade` takes.
-
-    Raises
-    ------
-    refuse.Refusal
-        Where tables differ in size, range or warp, or a map does not fit.
-    """
-    tables = list(table) if isinstance(table, Sequence) else [table]
-    _refuse_tables(tables)
-    colours = [light.from_xyz(one.values, colour_space, one.white) for one in tables]
-    together = colours[0][None] if len(colours) == 1 else np.stack(colours)
-    numbers, fresnel = shader_numbers(Material() if material is None else material)
-    return Shader(
-        np.ascontiguousarray(together, dtype=np.float32),
-        float(tables[0].half_range),
-        int(tables[0].warp),
-        numbers,
-        fresnel,
-        _mask(mask),
-        _regions(regions, len(tables)),
-        colour_space,
-    )
-
-
-def shade(prepared: Shader, seen: Seen, lamps: Sequence[Lamp]) -> NDArray[np.float32]:
-    """Return what lamps make a surface send to the eye.
-
-    Parameters
-    ----------
-    prepared : Shader
-        From `shader`.
-    seen : Seen
-        From `see`.
-    lamps : sequence of Lamp
-        The lamps.
-
-    Returns
-    -------
-    ndarray of float32, shape (rows, columns, 4)
-        Radiance in the shader's colour space, and 1 where there is a surface.
-    """
-    out = np.empty((*seen.frames.shape[:2], 4), dtype=np.float32)
-    given: tuple[Any, ...] = (seen.frames, *_arrays(prepared, lamps), out)
-    _kernels_shade.shade(*given)
-    return out
+    angles: NDArray[np.floating] | None = None
+    groups: tuple[tuple[tuple[Lamp, ...], Tables], ...] = ()
+    environment: Environment | None = None
+    environment_samples: int = 512
+    shadows: bool = True
+    lens: ThinLens | None = None
 
 
 def render(
     scene: Scene,
-    table: ScatterTable | Sequence[ScatterTable] | Shader,
+    table: Tables | Shader,
     shape: Shape,
     samples: int = 1,
     colour_space: str = "rec709",
@@ -167,7 +86,8 @@ def render(
     scene : Scene
         Lamps, view, pose, material, maps.
     table : ScatterTable, sequence of them, or Shader
-        What the surface does to light; a `Shader` made before carries its own material and maps.
+        What the surface does to light; a `Shader` made before carries its own material, maps and tables of
+        the scene's groups, whose lamps then have `light` 1, 2, ...
     shape : Plane, Disc, Cylinder or Mesh
         The shape.
     samples : int
@@ -183,7 +103,7 @@ def render(
     Raises
     ------
     refuse.Refusal
-        Where the tables, the maps or a number do not fit.
+        Where the tables, the maps or a number do not fit, or the picture needs more memory than there is.
     """
     result = None
     for stage in render_stages(scene, table, shape, samples, colour_space):
@@ -194,7 +114,7 @@ def render(
 
 def render_stages(
     scene: Scene,
-    table: ScatterTable | Sequence[ScatterTable] | Shader,
+    table: Tables | Shader,
     shape: Shape,
     samples: int = 1,
     colour_space: str = "rec709",
@@ -225,76 +145,115 @@ def render_stages(
         As `render`.
     """
     count = refuse.at_least("samples", samples, 1)
-    prepared = (
-        table
-        if isinstance(table, Shader)
-        else shader(table, scene.material, scene.mask, scene.regions, colour_space)
-    )
+    _refuse_size(scene.view.shape, count)
+    prepared = table if isinstance(table, Shader) else _prepared(scene, table, colour_space)
     rows, columns = scene.view.shape
-    pixels = np.empty((rows, columns, 4), dtype=np.float32)
+    pixels = np.zeros((rows, columns, 4), dtype=np.float32)
+    views = (scene.view,) if scene.lens is None else lens_views(scene.view, scene.lens)
     step = max(1, _BAND // (columns * count * count))
-    for first in range(0, rows, step):
-        last = min(rows, first + step)
-        _draw(scene, prepared, shape, count, (first, last), pixels)
-        if last < rows:
-            yield Stage(last / rows, "rendering")
+    bands = [(first, min(rows, first + step)) for first in range(0, rows, step)]
+    around = _around(scene, prepared)
+    for index, view in enumerate(views):
+        draw = _drawer(scene, prepared, shape, count, view, around)
+        for number, (first, last) in enumerate(bands):
+            draw(first, last, 1.0 / len(views), pixels)
+            done = (index * len(bands) + number + 1) / (len(views) * len(bands))
+            if done < 1.0:
+                yield Stage(done, "rendering")
     yield Stage(1.0, "rendered", Picture(pixels, prepared.colour_space))
 
 
-def _draw(
-    scene: Scene,
+Drawer = Callable[[int, int, float, NDArray[np.float32]], None]
+
+
+def _drawer(
+    scene: Scene, prepared: Shader, shape: Shape, samples: int, view: View, around: Around | None
+) -> Drawer:
+    """Choose how to add rows of a view to a picture: chunk by chunk, or by way of frames that are kept."""
+    lamps = _all_lamps(scene)
+    shadows = None
+    if scene.shadows and isinstance(shape, Cylinder | Mesh):
+        shadows = [Shadow(shape, scene.pose, lamp) for lamp in lamps]
+    if isinstance(shape, Mesh) or shadows is not None or around is not None or prepared.angles is not None:
+        even = isinstance(shape, Plane) or (isinstance(shape, Disc) and not shape.radial)
+
+        def by_frames(first: int, last: int, share: float, pixels: NDArray[np.float32]) -> None:
+            seen = see(shape, view, scene.pose, samples, (first * samples, last * samples))
+            frames = turned(prepared, seen.frames.reshape(-1, seen.frames.shape[2]))
+            seen = Seen(frames.reshape(seen.frames.shape))
+            _add_lamps(prepared, seen, lamps, shadows, share, pixels[first:last])
+            if around is not None:
+                lit = around(seen, even and prepared.angles is None)
+                mean = lit.reshape(last - first, samples, -1, samples, 3).mean(axis=(1, 3))
+                pixels[first:last, :, :3] += np.float32(share) * mean
+
+        return by_frames
+    caster = Caster(shape, scene.pose, view, samples)
+
+    def by_chunks(first: int, last: int, share: float, pixels: NDArray[np.float32]) -> None:
+        def work(begin: int, end: int) -> None:
+            step = max(1, _CHUNK // (view.shape[1] * samples**2))
+            for row in range(first + begin, first + end, step):
+                until = min(first + end, row + step)
+                blocks, places = caster(row * samples, until * samples, samples)
+                add_light(prepared, blocks, places, share / samples**2, lamps, pixels[row:until])
+
+        in_bands(work, last - first)
+
+    return by_chunks
+
+
+def _add_lamps(
     prepared: Shader,
-    shape: Shape,
-    samples: int,
-    span: tuple[int, int],
+    seen: Seen,
+    lamps: tuple[Lamp, ...],
+    shadows: list[Shadow] | None,
+    share: float,
     pixels: NDArray[np.float32],
 ) -> None:
-    """Fill some rows of a picture: at once where rays are cast, by way of frames where a mesh is drawn."""
-    first, last = span
-    if not isinstance(shape, Mesh):
-        parts = shape_numbers(shape, scene.pose, scene.view)
-        arrays = _arrays(prepared, scene.lamps)
-        given: tuple[Any, ...] = (*parts, samples, *arrays, np.array(span, dtype=np.int64), pixels)
-        _kernels_shade.draw(*given)
-        return
-    seen = see(shape, scene.view, scene.pose, samples, (first * samples, last * samples))
-    drawn = shade(prepared, seen, scene.lamps)
-    pixels[first:last] = drawn.reshape(last - first, samples, -1, samples, 4).mean(axis=(1, 3))
+    """Add what lamps make frames send to the eye to their pixels, each lamp where it reaches."""
+    samples = len(seen.frames) // len(pixels)
+
+    def work(begin: int, end: int) -> None:
+        part = seen.frames[begin * samples : end * samples]
+        row, column = np.nonzero(part[..., 0] > 0)
+        places = (row // samples) * pixels.shape[1] + column // samples
+        frames, weight = part[row, column], share / samples**2
+        add_light(prepared, blocked(frames), places, weight, () if shadows else lamps, pixels[begin:end])
+        for lamp, shadow in zip(lamps, shadows or (), strict=False):
+            lit, colour = shadow.reaches(frames), np.zeros_like(pixels[begin:end])
+            add_light(prepared, blocked(frames[lit]), places[lit], weight, (lamp,), colour)
+            pixels[begin:end, :, :3] += colour[..., :3]
+
+    in_bands(work, len(pixels))
 
 
-def _arrays(prepared: Shader, lamps: Sequence[Lamp]) -> tuple[Any, ...]:
-    """What both kernels take, in their order."""
-    numbers = np.append(prepared.numbers, np.float32(prepared.half_range))
-    return (
-        lamp_rows(tuple(lamps)),
-        prepared.tables,
-        prepared.warp,
-        prepared.regions,
-        prepared.mask,
-        numbers,
-        prepared.fresnel,
+def _all_lamps(scene: Scene) -> tuple[Lamp, ...]:
+    """Return the lamps of all groups, each with the number of its light."""
+    others = (
+        replace(lamp, light=number) for number, group in enumerate(scene.groups, 1) for lamp in group[0]
     )
+    return (*scene.lamps, *others)
 
 
-def _refuse_tables(tables: list[Any]) -> None:
-    if not tables:
-        raise refuse.Refusal("'table' must be at least one table.")
-    kinds = {(one.values.shape, float(one.half_range), int(one.warp)) for one in tables}
-    if len(kinds) > 1:
-        raise refuse.Refusal("'table' must be tables of one size, range and warp, to be used by region.")
+def _prepared(scene: Scene, table: Tables, colour_space: str) -> Shader:
+    others = [group[1] for group in scene.groups]
+    return shader(table, scene.material, scene.mask, scene.regions, colour_space, scene.angles, others)
 
 
-def _mask(mask: ArrayLike | None) -> NDArray[np.float32]:
-    if mask is None:
-        return np.ones((1, 1), dtype=np.float32)
-    found = refuse.all_finite("mask", refuse.shape_of("mask", mask, (None, None)))
-    return np.ascontiguousarray(found, dtype=np.float32)
+def _around(scene: Scene, prepared: Shader) -> Around | None:
+    if scene.environment is None:
+        return None
+    return Around(prepared, scene.environment, scene.environment_samples)
 
 
-def _regions(regions: ArrayLike | None, count: int) -> NDArray[np.int32]:
-    if regions is None:
-        return np.zeros((1, 1), dtype=np.int32)
-    found = refuse.shape_of("regions", regions, (None, None))
-    if found.dtype.kind not in "iub" or found.min() < 0 or found.max() >= count:
-        raise refuse.Refusal(f"'regions' must hold whole numbers from 0 to {count - 1}, one for each table.")
-    return np.ascontiguousarray(found, dtype=np.int32)
+def _refuse_size(shape: tuple[int, int], samples: int) -> None:
+    """Refuse a picture that does not fit into memory."""
+    rows, columns = shape
+    band = min(max(_BAND, columns * samples**2), rows * columns * samples**2)
+    needed, allowed = 16 * rows * columns + _BYTES * band, picture.allowed_memory()
+    if needed > allowed:
+        raise refuse.Refusal(
+            f"A picture of {columns} x {rows} pixels needs {needed / 2**30:.1f} GB of memory,"
+            f" {allowed / 2**30:.1f} GB are allowed."
+        )

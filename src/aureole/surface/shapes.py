@@ -4,12 +4,15 @@ Each shape lies in coordinates of its own; `Pose` puts it into the world.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aureole import refuse
-from aureole.surface import _kernels_cast, _kernels_mesh
+from aureole.aperture.bands import in_bands
+from aureole.surface import _kernels_cast
+from aureole.surface.rasters import frames_at, nearest_triangles
 from aureole.surface.views import View
 
 
@@ -233,15 +236,109 @@ def see(
     size = view.shape[0] * count, view.shape[1] * count
     first, last = (0, size[0]) if rows is None else rows
     where = Pose() if pose is None else pose
-    place = np.vstack([where.axes, where.place[None]])
-    sight = np.vstack([view.eye, view.right, view.up, view.forward])
     frames = np.zeros((last - first, size[1], _kernels_cast.WIDTH), dtype=np.float32)
-    bounds = np.array([*size, first], dtype=np.int64)
     if isinstance(shape, Mesh):
-        _see_mesh(shape, place, sight, view.perspective, bounds, frames)
-    else:
-        _kernels_cast.cast(*shape_numbers(shape, where, view), bounds, frames)
+        _see_mesh(shape, where, view, size, (first, last), frames)
+        return Seen(frames)
+    caster = Caster(shape, where, view, count)
+
+    def fill(begin: int, end: int) -> None:
+        for row in range(begin, end):
+            blocks, places = caster(first + row, first + row + 1, 1)
+            frames[row, places] = unblocked(blocks, len(places))
+
+    in_bands(fill, last - first)
     return Seen(frames)
+
+
+class Caster:
+    """Casts a view's rays at a plane, a disc or a cylinder, some rows of samples at a time.
+
+    Parameters
+    ----------
+    shape : Plane, Disc or Cylinder
+        The shape.
+    pose : Pose
+        Where it is.
+    view : View
+        The view.
+    samples : int
+        Samples a pixel along each axis.
+    """
+
+    def __init__(self, shape: Plane | Disc | Cylinder, pose: Pose, view: View, samples: int) -> None:
+        self._size = view.shape[0] * samples, view.shape[1] * samples
+        self._kind, *numbers = shape_numbers(shape, pose, view)
+        self._fine, self._plain = tuple(numbers), tuple(part.astype(np.float32) for part in numbers)
+
+    def __call__(self, first: int, last: int, side: int) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+        """Cast rows of samples.
+
+        Parameters
+        ----------
+        first, last : int
+            The first row, and the one after the last.
+        side : int
+            Samples along a pixel's side.
+
+        Returns
+        -------
+        blocks : ndarray of float32, shape (B, 17 · 64)
+            Frames as the shader takes them.
+        pixels : ndarray of int64, shape (N,)
+            Which pixel each of the N frames is in, counted from the first row.
+        """
+        most = -(-(last - first) * self._size[1] // _kernels_cast.LANES)
+        hits = np.zeros((most, _kernels_cast.HIT_WIDTH * _kernels_cast.LANES), dtype=np.float32)
+        pixels = np.empty(most * _kernels_cast.LANES, dtype=np.int64)
+        given: tuple[Any, ...] = (*self._fine, (*self._size, first, last, side), hits, pixels)
+        count = _kernels_cast.cast(self._kind, *given)
+        blocks = np.empty(
+            (-(-count // _kernels_cast.LANES), _kernels_cast.WIDTH * _kernels_cast.LANES), np.float32
+        )
+        given = (*self._plain, hits, len(blocks), blocks)
+        _kernels_cast.lay_frames(self._kind, *given)
+        return blocks, pixels[:count]
+
+
+def blocked(frames: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Lay frames out as the shader takes them: 64 samples in a block, number after number.
+
+    Parameters
+    ----------
+    frames : ndarray of float32, shape (N, 17)
+        Frames.
+
+    Returns
+    -------
+    ndarray of float32, shape (B, 17 · 64)
+        Zero after the last one.
+    """
+    lanes = _kernels_cast.LANES
+    padded = np.zeros((-(-len(frames) // lanes) * lanes, frames.shape[1]), dtype=np.float32)
+    padded[: len(frames)] = frames
+    width = frames.shape[1]
+    turned = padded.reshape(-1, lanes, width).transpose(0, 2, 1)
+    return np.ascontiguousarray(turned).reshape(-1, width * lanes)
+
+
+def unblocked(blocks: NDArray[np.float32], count: int) -> NDArray[np.float32]:
+    """Turn blocks into frames one after another.
+
+    Parameters
+    ----------
+    blocks : ndarray of float32, shape (B, 17 · 64)
+        From `Caster` or `blocked`.
+    count : int
+        How many frames they hold.
+
+    Returns
+    -------
+    ndarray of float32, shape (N, 17)
+        Frames.
+    """
+    rows = blocks.reshape(len(blocks), _kernels_cast.WIDTH, _kernels_cast.LANES).transpose(0, 2, 1)
+    return rows.reshape(-1, _kernels_cast.WIDTH)[:count]
 
 
 def shape_numbers(
@@ -300,29 +397,29 @@ def _rays(view: View) -> NDArray[np.float64]:
     still = np.zeros((2, 3))
     aside = np.vstack([view.right, view.up])
     both = [still, aside] if view.perspective else [aside, still]
-    return np.vstack([view.eye, view.forward, *both])
+    return np.vstack([view.eye, view.forward + view.shift, *both])
 
 
 def _see_mesh(
     mesh: Mesh,
-    place: NDArray[np.float64],
-    sight: NDArray[np.float64],
-    perspective: bool,
-    bounds: NDArray[np.int64],
+    pose: Pose,
+    view: View,
+    size: tuple[int, int],
+    rows: tuple[int, int],
     frames: NDArray[np.float32],
 ) -> None:
     """Turn a mesh into the world and fill the frames of its nearest triangles."""
-    axes, origin = place[:3], place[3]
-    attributes = np.hstack(
-        [
-            mesh.vertices @ axes + origin,
-            mesh.normals @ axes,
-            mesh.tangents @ axes,
-            mesh.signs[:, None],
-            mesh.texture,
-        ]
-    )
-    _kernels_mesh.raster(mesh.triangles, attributes, sight, perspective, bounds, frames)
+    vertices = mesh.vertices @ pose.axes + pose.place
+    parts = vertices, mesh.normals @ pose.axes, mesh.tangents @ pose.axes, mesh.signs[:, None], mesh.texture
+    attributes = np.hstack(parts).astype(np.float32)
+    depth, number, weights = nearest_triangles(vertices, mesh.triangles, view, size, rows)
+
+    def fill(begin: int, end: int) -> None:
+        met = np.isfinite(depth[begin:end])
+        corners, shares = mesh.triangles[number[begin:end][met]], weights[begin:end][met]
+        frames[begin:end][met] = frames_at(attributes, corners, shares, view, depth[begin:end][met])
+
+    in_bands(fill, rows[1] - rows[0])
 
 
 def _rotation(axis: int, angle: float) -> NDArray[np.float64]:

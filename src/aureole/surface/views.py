@@ -3,7 +3,7 @@
 World coordinates are right-handed, in metres. The picture's x runs right along columns, its rows downward.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,9 @@ class View:
         Rows and columns of the picture.
     perspective : bool
         Whether rays meet in the eye.
+    shift : ndarray of float64, shape (3,)
+        What every ray's direction has besides, at right angles to `forward`: a lens that is shifted, in
+        perspective.
     """
 
     eye: NDArray[np.float64]
@@ -35,6 +38,7 @@ class View:
     forward: NDArray[np.float64]
     shape: tuple[int, int]
     perspective: bool = True
+    shift: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
 
 
 def view_from(

@@ -1,0 +1,114 @@
+"""Light from all around in a picture: what every sample of a shape sends to the eye from its surroundings."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole.surface.environment import Environment, EnvironmentReflection, in_space
+from aureole.surface.shading import Shader, map_places
+from aureole.surface.shapes import Seen
+from aureole.surface.surroundings import environment_light, irradiance, mirror_light, surroundings
+
+_REFLECTION = 1023  # samples across the disc of directions
+
+
+class Around:
+    """A shader's surface in light from all around, made ready for many frames.
+
+    Flat shapes have their diffraction exactly, by one correlation for all views; the others by the table's
+    cells. Diffuse and mirror-like parts are the same on all.
+
+    Parameters
+    ----------
+    prepared : Shader
+        The surface.
+    environment : Environment
+        The light; multiplied with the first light's tables in the shader's colour space.
+    samples : int
+        Cells that a table is cut into where a shape is not flat.
+    """
+
+    def __init__(self, prepared: Shader, environment: Environment, samples: int) -> None:
+        self._prepared, self._samples = prepared, samples
+        self._light = in_space(environment, prepared.colour_space)
+        self._blurred = surroundings(self._light)
+        self._reflections: tuple[EnvironmentReflection, ...] = ()
+
+    def __call__(self, seen: Seen, flat: bool) -> NDArray[np.float32]:
+        """Return what reaches the eye.
+
+        Parameters
+        ----------
+        seen : Seen
+            What is seen, tangents turned already.
+        flat : bool
+            Whether all samples have one normal and one tangent.
+
+        Returns
+        -------
+        ndarray of float32, shape (rows, columns, 3)
+            Radiance in the shader's colour space; 0 where there is no surface.
+        """
+        made_of = self._prepared.material
+        out = np.zeros((*seen.hit.shape, 3), dtype=np.float32)
+        if not seen.hit.any():
+            return out
+        diffuse = np.broadcast_to(np.asarray(made_of.diffuse, dtype=np.float32), (3,))
+        specular = np.broadcast_to(np.asarray(made_of.specular, dtype=np.float32), (3,))
+        if diffuse.any():
+            out += diffuse / np.float32(np.pi) * irradiance(seen, self._blurred)
+        if specular.any():
+            out += specular * mirror_light(seen, self._blurred, made_of.roughness, self._prepared.fresnel)
+        if made_of.diffraction > 0:
+            row, column = map_places(seen.frames, self._prepared.mask)
+            strength = np.float32(made_of.diffraction) * self._prepared.mask[row, column]
+            plain = made_of.geometry == "one" and made_of.window is None
+            out += strength[..., None] * (self._of_flat(seen) if flat and plain else self._of_cells(seen))
+        return out
+
+    def _of_cells(self, seen: Seen) -> NDArray[np.float32]:
+        """Diffraction, cell by cell of the tables."""
+        prepared, made_of = self._prepared, self._prepared.material
+        row, column = map_places(seen.frames, prepared.regions)
+        return environment_light(
+            seen,
+            prepared.sources,
+            self._blurred,
+            self._samples,
+            prepared.fresnel,
+            made_of.geometry,
+            made_of.window,
+            prepared.regions[row, column],
+        )
+
+    def _of_flat(self, seen: Seen) -> NDArray[np.float32]:
+        """Diffraction of one frame, by correlation; F² is that of the mirror's angle, before the integral."""
+        prepared = self._prepared
+        if not self._reflections:
+            space = prepared.colour_space
+            made = (EnvironmentReflection(table, space, _REFLECTION) for table in prepared.sources)
+            self._reflections = tuple(made)
+        first = np.argmax(seen.hit.ravel())
+        axes = (part.reshape(-1, 3)[first] for part in (seen.tangents, seen.bitangents, seen.normals))
+        frame = _orthonormal(np.stack(list(axes)).astype(np.float64))
+        cosines = seen.outward.astype(np.float64) @ frame.T
+        row, column = map_places(seen.frames, prepared.regions)
+        which = prepared.regions[row, column]
+        out = np.zeros((*seen.hit.shape, 3), dtype=np.float32)
+        for number, reflection in enumerate(self._reflections):
+            here = seen.hit & (which == number) & (cosines[..., 2] > 0)
+            views = cosines[here][:, :2]
+            views /= np.maximum(1.0, np.linalg.norm(views, axis=1, keepdims=True))
+            out[here] = reflection(self._light, frame).towards(views)
+        table = prepared.fresnel
+        at = np.clip(cosines[..., 2], 0.0, 1.0) * (len(table) - 1)
+        mirror = np.stack([np.interp(at, np.arange(len(table)), table[:, k]) for k in range(3)], axis=-1)
+        return np.asarray(out * mirror**2, dtype=np.float32)
+
+
+def _orthonormal(frame: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Take off what rounding to single precision has left of angles that are not right."""
+    normal = frame[2] / np.linalg.norm(frame[2])
+    tangent = frame[0] - (frame[0] @ normal) * normal
+    tangent /= np.linalg.norm(tangent)
+    across = np.cross(normal, tangent)
+    return np.stack([tangent, across * np.sign(across @ frame[1]), normal])
