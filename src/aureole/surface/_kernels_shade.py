@@ -5,9 +5,9 @@ place and 0 for a direction, 4-6 intensity, 7-9 the unit vector it faces (zero: 
 of its tables, 11-13 the intensity's colour as a white surface shows it.
 
 Tables are (T, R, C, 3), regions say which of a lamp's tables a texture pixel has, mask how much of it.
-Numbers are diffuse / π (3), the weights of Cook-Torrance (3) and diffraction, roughness, 1/(2σ²) of the
-window along tangent and bitangent, whether G is Stam's ratio, and |h| at the table's border. Fresnel (K, 3)
-is over the cosine 0..1 between light and half vector.
+Numbers are diffuse / π (3), the mean weight of Cook-Torrance, the weight of diffraction, roughness, 1/(2σ²)
+of the window along tangent and bitangent, whether G is Stam's ratio, the weights of Cook-Torrance (3), and
+|h| at the table's border. Fresnel (K, 3) is over the cosine 0..1 between light and half vector.
 """
 
 import math
@@ -105,22 +105,22 @@ def _places(w, source, sign, half_range, power, size, target):  # type: ignore[n
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _weights(w, numbers):  # type: ignore[no-untyped-def]
     """Fill a block's weights of Cook-Torrance, without its colour, and of the table, without the mask."""
-    border, window, stam = numbers[11], numbers[8] + numbers[9], numbers[10]
+    border, window, stam = numbers[12], numbers[6] + numbers[7], numbers[8]
     for j in range(LANES):
         outside = max(abs(w[HT + j]), abs(w[HB + j])) > border
-        w[GAIN + j] = ZERO if outside else numbers[6] * w[LIGHT + j]
+        w[GAIN + j] = ZERO if outside else numbers[4] * w[LIGHT + j]
         w[LOBE + j] = ZERO
     if window > ZERO:
         for j in range(LANES):
             w[GAIN + j] *= math.exp(
-                -(numbers[8] * w[HT + j] * w[HT + j] + numbers[9] * w[HB + j] * w[HB + j])
+                -(numbers[6] * w[HT + j] * w[HT + j] + numbers[7] * w[HB + j] * w[HB + j])
             )
     if stam > ZERO:
         for j in range(LANES):
             if w[LIGHT + j] > ZERO:
                 w[GAIN + j] *= w[HALF_COSINE + j] ** 4 / (w[NI + j] * w[NO + j])
-    if numbers[3] + numbers[4] + numbers[5] > ZERO:
-        _cook_torrance(w, numbers[7] * numbers[7])
+    if numbers[3] > ZERO:
+        _cook_torrance(w, numbers[5] * numbers[5])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
@@ -156,8 +156,8 @@ def shade(frames, where, share, lamps, tables, warp, regions, mask, numbers, fre
         first = int(lamps[k, 10])
         for b in range((where.size + LANES - 1) // LANES):
             _directions(frames, b, lamps, k, w)
-            _places(w, HT, ONE, numbers[11], warp, tables.shape[2], COLUMN)
-            _places(w, HB, -ONE, numbers[11], warp, tables.shape[1], ROW)
+            _places(w, HT, ONE, numbers[12], warp, tables.shape[2], COLUMN)
+            _places(w, HB, -ONE, numbers[12], warp, tables.shape[1], ROW)
             _weights(w, numbers)
             for j in range(min(LANES, where.size - b * LANES)):
                 if w[LIGHT + j] <= ZERO:
@@ -186,7 +186,7 @@ def shade(frames, where, share, lamps, tables, warp, regions, mask, numbers, fre
                     below = tables[s, r1, c, m] + x * (tables[s, r1, c1, m] - tables[s, r1, c, m])
                     mirror = fresnel[cell, m] + step * (fresnel[cell1, m] - fresnel[cell, m])
                     sheet = lamps[k, 4 + m] * gain * mirror * mirror * (above + y * (below - above))
-                    rest = lamps[k, 11 + m] * (numbers[m] * light + numbers[3 + m] * mirror * lobe)
+                    rest = lamps[k, 11 + m] * (numbers[m] * light + numbers[9 + m] * mirror * lobe)
                     out[pixel, m] += sheet + rest
     for n in range(where.size):
         out[where[n], 3] += share

@@ -36,8 +36,7 @@ class ThinLens:
 
 
 def lens_views(view: View, lens: ThinLens) -> tuple[View, ...]:
-    """Return the views through the points of a lens, evenly over its opening: the mean of their pictures has
-    its depth of field.
+    """Return the views through points all over a lens: the mean of their pictures has its depth of field.
 
     Parameters
     ----------

@@ -146,20 +146,18 @@ def material_of(table: ScatterTable, material: Material | None = None, roughness
     return replace(given, specular=colour * normal, roughness=max(width, 1e-3) if width else roughness)
 
 
-def shader_numbers(material: Material, half_range: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def shader_numbers(material: Material) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Check a material and write it as the shader's numbers.
 
     Parameters
     ----------
     material : Material
         The material.
-    half_range : float
-        |h| at the table's border.
 
     Returns
     -------
     numbers : ndarray of float32, shape (12,)
-        As `_kernels_shade.shade` takes them.
+        As `_kernels_shade.shade` takes them, but for the last one.
     fresnel : ndarray of float32, shape (K, 3)
         Its Fresnel factors; of a perfect mirror where it has none.
 
@@ -179,16 +177,8 @@ def shader_numbers(material: Material, half_range: float) -> tuple[NDArray[np.fl
     fresnel = schlick(1.0) if material.fresnel is None else refuse.all_finite("fresnel", material.fresnel)
     if fresnel.ndim != 2 or fresnel.shape[0] < 2 or fresnel.shape[1] != 3:
         raise refuse.Refusal(f"'fresnel' must be an array of shape (K >= 2, 3), got {fresnel.shape}.")
-    numbers = [
-        *(diffuse / np.pi),
-        *specular,
-        4.0 * np.pi**2 * diffraction,
-        roughness,
-        *window,
-        stam,
-        half_range,
-    ]
-    return np.array(numbers, dtype=np.float32), np.ascontiguousarray(fresnel, dtype=np.float32)
+    numbers = [*(diffuse / np.pi), specular.mean(), 4.0 * np.pi**2 * diffraction, roughness, *window, stam]
+    return np.array([*numbers, *specular], dtype=np.float32), np.ascontiguousarray(fresnel, dtype=np.float32)
 
 
 def _colour(name: str, value: ArrayLike) -> NDArray[np.float64]:

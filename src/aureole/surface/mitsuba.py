@@ -208,7 +208,7 @@ def bsdf_of_file(table: str | os.PathLike[str], material: Material | None = None
         "type": PLUGIN,
         "table": os.fspath(table),
         "diffuse": _words(np.pi * numbers[:3]),
-        "specular": float(made.specular),
+        "specular": float(numbers[3]),
         "roughness": float(made.roughness),
         "diffraction": float(made.diffraction),
         "geometry": made.geometry,

@@ -30,7 +30,7 @@ class Shader:
     warp : int
         Their power.
     numbers, fresnel : ndarray of float32
-        From `shader_numbers`.
+        From `shader_numbers`, and the half range.
     mask : ndarray of float32, shape (rows, columns)
         How much diffracts.
     regions : ndarray of int32, shape (rows, columns)
@@ -112,12 +112,12 @@ def shader(
         np.array([group[0].white for group in lights], dtype=float), colour_space, neutral
     )
     made_of = material_of(first) if material is None else material
-    numbers, fresnel = shader_numbers(made_of, float(first.half_range))
+    numbers, fresnel = shader_numbers(made_of)
     return Shader(
         tables,
         float(first.half_range),
         int(first.warp),
-        numbers,
+        np.append(numbers, np.float32(first.half_range)),
         fresnel,
         _mask(mask),
         _regions(regions, len(lights[0])),
@@ -179,9 +179,18 @@ def add_light(
         Colour and coverage are added to its pixels.
     """
     rows = lamp_rows(lamps, prepared.whites, len(prepared.sources))
-    maps: tuple[Any, ...] = prepared.regions, prepared.mask, prepared.numbers, prepared.fresnel
-    given: tuple[Any, ...] = blocks, pixels, np.float32(share), rows, prepared.tables, prepared.warp, *maps
-    _kernels_shade.shade(*given, out.reshape(-1, 4))
+    given: tuple[Any, ...] = (
+        np.float32(share),
+        rows,
+        prepared.tables,
+        prepared.warp,
+        prepared.regions,
+        prepared.mask,
+        prepared.numbers,
+        prepared.fresnel,
+        out.reshape(-1, 4),
+    )
+    _kernels_shade.shade(blocks, pixels, *given)
 
 
 def turned(prepared: Shader, frames: NDArray[np.float32]) -> NDArray[np.float32]:
