@@ -146,7 +146,8 @@ def web_view(scene: Scene, shape: Shape, exposure: float | None = None, samples:
         raise refuse.Refusal("'lamps' must be one lamp that shines all ways alike, for a page.")
     if scene.mask is not None or scene.regions is not None or not scene.view.perspective:
         raise refuse.Refusal("A page has a view in perspective, and neither 'mask' nor 'regions'.")
-    view, lamp, material = scene.view, scene.lamps[0], scene.material
+    view, lamp = scene.view, scene.lamps[0]
+    material = Material() if scene.material is None else scene.material
     shader_numbers(material)
     # The page's axes are the picture's: right, up, and toward the eye.
     up = float(np.linalg.norm(view.up))
@@ -341,10 +342,10 @@ def _three(values: NDArray[np.floating] | ArrayLike) -> tuple[float, float, floa
 def _of_material(material: Material) -> dict[str, Any]:
     """Write a material as the page's state."""
     found: dict[str, Any] = {
-        name: getattr(material, name)
-        for name in ("specular", "roughness", "diffraction", "geometry", "window")
+        name: getattr(material, name) for name in ("roughness", "diffraction", "geometry", "window")
     }
     found["diffuse"] = _three(material.diffuse)
+    found["specular"] = float(np.mean(_three(material.specular)))
     if material.fresnel is not None:
         found["fresnel"] = tuple(tuple(row) for row in material.fresnel.tolist())
     return found
