@@ -29,6 +29,13 @@ tile_whole          whole pictures against fine grids
 eye               the eye thesis's bench, and which of these belongs to it:
 eye_frames          its Figures 4.1 and 4.2, and its memory
 eye_patterns        patterns from scratch, their sum, and CIE 135
+surface           the surface paper's bench, and which of these belongs to it:
+surface_tables      its lookup table from a photograph, time and memory
+surface_frames      frames a second
+surface_around      light from all around, beside its prefilter
+surface_measured    the measurement of a screen that is known
+surface_orders      where orders stand
+surface_mitsuba     the same disc by Mitsuba
 flare_peers       other ray tracers on the ways of ghosts
 lens_rays         rays through a lens as a peer takes them
 optics            a far-field and a near-field problem as a peer takes them
@@ -45,6 +52,7 @@ from aureole.bench.near_field import NearFieldBench, run_near_field
 from aureole.bench.peers import PeersBench, run_peers
 from aureole.bench.quad_paper import QuadPaperBench, run_quad_paper
 from aureole.bench.report import Column, Report, Table, plain
+from aureole.bench.surface import SurfaceBench, run_surface
 from aureole.bench.tile_paper import TilePaperBench, run_tile_paper
 
 __all__ = [
@@ -55,6 +63,7 @@ __all__ = [
     "PeersBench",
     "QuadPaperBench",
     "Report",
+    "SurfaceBench",
     "Table",
     "TilePaperBench",
     "plain",
@@ -63,5 +72,6 @@ __all__ = [
     "run_near_field",
     "run_peers",
     "run_quad_paper",
+    "run_surface",
     "run_tile_paper",
 ]

@@ -179,6 +179,31 @@ def eye(
     _run(bench.run_eye(bench.EyeBench(runs, quick, _names(only))), out, as_json)
 
 
+@app.command()
+def surface(
+    runs: Runs = 5,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Small tables, photographs and pictures, one run.")
+    ] = False,
+    only: Only = None,
+    out: Results = None,
+    as_json: options.Json = False,
+) -> None:
+    """Tables of diffractive surfaces, frames, light from all around and orders, beside the surface paper.
+
+    A. Toisoul, A. Ghosh, "Practical acquisition and rendering of diffraction effects in surface reflectance",
+    2017. All takes some minutes. Mitsuba is timed where it is installed (`pip install 'aureole[mitsuba]'`).
+    Names for --only: table, frame, environment, measurement, orders, mitsuba.
+
+    Examples:
+
+        aureole bench surface --quick
+
+        aureole bench surface --only table,frame -o surface.json
+    """
+    _run(bench.run_surface(bench.SurfaceBench(runs, quick, _names(only))), out, as_json)
+
+
 def _names(only: str | None) -> tuple[str, ...]:
     return () if only is None else tuple(name.strip().lower() for name in only.split(","))
 

@@ -169,6 +169,54 @@ def table_from_pattern_stages(
     )
 
 
+def table_rows(
+    patterns: DiffractionPattern | Sequence[DiffractionPattern],
+    spectrum: Spectrum | str,
+    size: int | tuple[int, int],
+    chosen: slice,
+    wavelengths: int = WAVELENGTHS,
+    sample: str = "cell",
+    model: str = "phase",
+    half_range: float = HALF_RANGE,
+    warp: int = WARP,
+) -> NDArray[np.float32]:
+    """Return some rows of a table by the direct sum in float64, to judge the fast ones by.
+
+    Parameters
+    ----------
+    patterns : DiffractionPattern or sequence of them
+        As for `table_from_pattern`, and so are the others.
+    spectrum : Spectrum or str
+        The light.
+    size : int or tuple of int
+        Samples of the whole table.
+    chosen : slice
+        Which of its rows.
+    wavelengths : int
+        Number of wavelengths.
+    sample : str
+        Means over cells, or points.
+    model : str
+        Power of λ_m / λ.
+    half_range : float
+        h of the outermost samples.
+    warp : int
+        n of h = half_range · uⁿ.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns, 3)
+        X, Y, Z.
+    """
+    bands = weighed_bands(patterns, as_spectrum(spectrum), MODELS[model], wavelengths)
+    rows, columns = checked_size(size)
+    places = axis if sample == "point" else cells
+    down = places(rows, half_range, warp)[..., chosen]
+    found = np.zeros((down.shape[-1], columns, 3), np.float32)
+    _MEMBERS[sample, "reference"](bands, places(columns, half_range, warp))(down, found)
+    return found
+
+
 def as_spectrum(spectrum: Spectrum | str) -> Spectrum:
     """Return a light given by itself or by its name.
 

@@ -1,0 +1,71 @@
+"""The bench of surfaces: what it compares is right, and what it prints is plain."""
+
+import json
+
+import numpy as np
+import pytest
+
+from aureole import bench, refuse
+from aureole.bench import surface_around, surface_measured, surface_orders, surface_tables
+from aureole.cli.main import run
+
+
+def rows_of(stages):
+    """Follow a part of the bench; return the rows of its only table."""
+    every = list(stages)
+    assert [stage.fraction for stage in every] == sorted(stage.fraction for stage in every)
+    (table,) = every[-1].result
+    return table.rows
+
+
+def test_tables_are_compared_with_the_direct_sum():
+    cell, point = rows_of(surface_tables.tables(64, 40, 12, 1))
+    assert cell["way"] == "cell"
+    assert 0 < cell["error"] < 1e-6
+    assert 0 < point["error"] < 1e-6
+    assert point["ratio"] == pytest.approx(point["direct_ms"] / point["median_ms"])
+    # Python with NumPy and a compiler is more than this and far less than that.
+    assert 50 < cell["memory_mb"] < 400
+    assert "printed" not in point
+
+
+def test_first_orders_stand_where_the_grating_equation_says():
+    """Discs have 1.6, 0.74 and 0.32 micrometres from track to track."""
+    rows = {
+        (row["grating"], row["wavelength_nm"], row["incidence_deg"]): row
+        for row in rows_of(surface_orders.orders(700))
+    }
+    for nanometres, angle in {380: 13.74, 532: 19.42, 650: 23.97, 780: 29.18}.items():
+        assert rows["cd", nanometres, 0]["angle_deg"] == pytest.approx(angle, abs=0.005)
+        assert "angle_deg" not in rows["bluray", nanometres, 0]
+    found = [row["apart_deg"] for row in rows.values() if "apart_deg" in row]
+    assert len(found) == 8 + 7 + 1
+    assert max(found) < 0.05
+
+
+def test_errors_of_views_are_those_of_their_own_light_and_of_the_brightest():
+    truth = np.array([[2.0, 1.0, 1.0], [4.0, 4.0, 4.0], [1.0, 1.0, 1.0], [0.01, 0.0, 0.0]])
+    found = truth + np.array([[0.1, 0, 0], [0.0, 0.2, 0], [0.1, 0, 0], [0.01, 0, 0]])
+    said = surface_around.errors(found, truth)
+    assert (said["normal"], said["oblique"], said["own"]) == pytest.approx((0.05, 0.05, 0.1))
+    assert said["rmse"] == pytest.approx(np.sqrt((0.01 + 0.04 + 0.01 + 0.0001) / 12) / truth.mean())
+    views = surface_around.seen_from(9)
+    assert np.all(views[0] == 0)
+    assert np.hypot(*views.T).max() == pytest.approx(surface_around.FARTHEST)
+
+
+def test_a_measured_screen_is_the_screen():
+    made = surface_measured._Bench(200)
+    said = made.judged(made._clean())
+    assert said["luminance"] < 0.01
+    assert said["centre_px"] < 0.2
+
+
+def test_names_and_numbers_are_checked(capsys):
+    assert run(["bench", "surface", "--quick", "--only", "orders", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert [table["name"] for table in said["tables"]] == ["orders"]
+    with pytest.raises(refuse.Refusal, match="only"):
+        bench.run_surface(bench.SurfaceBench(only=("table-1",)))
+    with pytest.raises(refuse.Refusal, match="runs"):
+        bench.run_surface(bench.SurfaceBench(runs=0))
