@@ -21,10 +21,12 @@ ROWS = 16  # of the table, of which the slow sums take one
 # A process of its own, so that nothing else of the bench is counted; on Linux in kilobytes.
 MEMORY = """
 import resource, sys
-from aureole.bench.surface_tables import pattern
+import numpy as np
 from aureole import surface
 size, photo, wavelengths = map(int, sys.argv[1:4])
-surface.table_from_pattern(pattern(photo), "E", size, wavelengths=wavelengths, sample=sys.argv[4])
+noise = np.random.default_rng(1).random((photo, photo), dtype=np.float32)
+pattern = surface.diffraction_pattern(noise, 1.0, 650e-9)
+surface.table_from_pattern(pattern, "E", size, wavelengths=wavelengths, sample=sys.argv[4])
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 COLUMNS = (
