@@ -1,7 +1,7 @@
 """From a photograph of a bokeh to heights in one call: turned, one channel, sharpened, scaled, counted.
 
 The steps are those of Toisoul and Ghosh 2017, section 5 and Appendix C; the number of lit slits is that of
-section 6.1. A display's openings or a grating's lines come out with their first direction along the tangent.
+section 6.1. Lines come out upright, their normal along the tangent; of lines that cross, the finer ones do.
 """
 
 import math
@@ -40,6 +40,8 @@ INNER = 0.95
 PHASES = 128
 # A direction whose profile varies less than this share of the other's has no lines.
 FAINT = 0.1
+# Sine of how far from a right angle lines may cross.
+ASIDE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +132,7 @@ def heights_from_bokeh(
         From the darkest to the brightest, metres; for surfaces whose depth is known otherwise.
     angle : float or None
         Turn counter-clockwise, radians; the paper's lens wants a quarter. None finds the turn that makes
-        the strongest lines upright, up to half a turn.
+        the lines upright, the finer ones where they cross; half a turn more only a known grating tells.
     channel : int
         2 is blue, the sharpest.
     deviation : float
@@ -200,6 +202,8 @@ def heights_from_bokeh_stages(
     yield Stage(0.9, "counting lines")
     profile = values.mean(axis=0)
     lines = count_lines(profile)
+    if lines < 2.0:
+        raise refuse.Refusal("'photograph' shows fewer than two lines; a wider part of the bokeh is needed.")
     pitch = refuse.positive("pixel", pixel) if pixel is not None else 0.0
     if period is not None:
         pitch = pixel_pitch(lines, period, profile.size)
@@ -260,7 +264,7 @@ def _turned(values: Array, middle: tuple[float, ...], angle: float, side: int) -
 
 
 def _lines_angle(values: Array) -> float:
-    """Return the turn that lays the strongest lines' normal along columns, from -90° to 90°."""
+    """Return the turn that lays the normal of the lines along columns, from -90° to 90°."""
     rows, columns = values.shape
     window = np.hanning(rows + 2)[1:-1, None] * np.hanning(columns + 2)[None, 1:-1]
     even = values - np.average(values, weights=window)
@@ -269,14 +273,26 @@ def _lines_angle(values: Array) -> float:
     down, across = fft.fftfreq(shape[0])[:, None], fft.rfftfreq(shape[1])[None, :]
     # Below two periods a window's own lobe and uneven light stand.
     power[np.hypot(down * rows, across * columns) < 2.0] = 0.0
-    row, column = np.unravel_index(np.argmax(power), power.shape)
-    near = power[[row - 1, row, (row + 1) % shape[0]], column]
-    v = down[row, 0] + _bend(*near) / shape[0]
-    near = power[row, [abs(column - 1), column, min(column + 1, power.shape[1] - 1)]]
-    u = across[0, column] + (_bend(*near) / shape[1] if column > 0 else 0.0)
+    first = _peak(power)
+    # Of lines that cross, the finer ones: a display's sub-pixels.
+    aside = np.abs(down * first[0] + across * first[1]) < ASIDE * np.hypot(down, across) * np.hypot(*first)
+    second = _peak(np.where(aside, power, 0.0))
+    place = round(second[0] * shape[0]), round(second[1] * shape[1])
+    finer = np.hypot(*second) > np.hypot(*first) and power[place] > FAINT * power.max()
+    v, u = second if finer else first
     # Rows run downward: lines whose normal points up to the right are turned clockwise.
     turn = math.atan2(v, u)
     return turn if abs(turn) <= math.pi / 2 else turn - math.copysign(math.pi, turn)
+
+
+def _peak(power: Array) -> tuple[float, float]:
+    """Return the frequency down and across, in cycles a sample, where a real picture has the most power."""
+    rows, columns = power.shape[0], 2 * (power.shape[1] - 1)
+    row, column = (int(place) for place in np.unravel_index(np.argmax(power), power.shape))
+    down = power[[row - 1, row, (row + 1) % rows], column]
+    along = power[row, [abs(column - 1), column, min(column + 1, power.shape[1] - 1)]]
+    signed = row - rows if row >= rows // 2 else row
+    return (signed + _bend(*down)) / rows, (column + (_bend(*along) if column > 0 else 0.0)) / columns
 
 
 def _bend(low: float, top: float, high: float) -> float:
