@@ -11,6 +11,8 @@ eye_runs  running the eye's jobs and writing their files
 flare     the command `aureole flare`
 lens      the commands `aureole lens`
 surface   the commands `aureole surface`
+surface_measure  the command `aureole surface measure`
+surface_export  the command `aureole surface export`
 surface_runs  running the jobs of diffractive surfaces and writing their files
 bench     the commands `aureole bench`
 options   flags that several commands share
@@ -19,6 +21,7 @@ flare_options  flags of a lens's lights and ghosts
 eye_options    flags of eyes, and of what they look at
 near_options   flags of planes behind an opening, of many distances, and of ringing textures
 surface_options  flags of surfaces and of their tables
+surface_measure_options  flags of photographs, of the bench, and of their processing
 surface_render_options  flags of objects, lamps, cameras and materials
 moving    flags of animations, and the files of their frames
 frames    numbered files: names with ####, lists of frames

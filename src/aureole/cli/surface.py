@@ -1,4 +1,4 @@
-"""The commands about diffractive surfaces: list, table, render."""
+"""The commands about diffractive surfaces: list, measure, table, render, export."""
 
 import math
 import time
@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 
 from aureole import jobs, light, presets, refuse, surface, units
-from aureole.cli import options, output, surface_runs
+from aureole.cli import options, output, surface_export, surface_measure, surface_runs
 from aureole.cli.moving import MovingFlags
 from aureole.cli.options import FILES
 from aureole.cli.pupil_options import with_flags
@@ -42,6 +42,8 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode="markdown",
 )
+
+app.command()(surface_measure.measure)
 
 Orders = Annotated[
     bool,
@@ -186,11 +188,11 @@ def render(
     output.places(*([] if moves else [out, preview]))
     made = surface_runs.made_table(name, illuminant, table_size)
     job = jobs.SurfaceRenderJob(
-        made.table,
+        made,
         thing,
         lamps,
         view,
-        material.material(made.table),
+        material.material(made),
         around,
         mask=mask,
         colour_space=refuse.one_of("colour-space", colour_space, light.SPACES),
@@ -202,6 +204,9 @@ def render(
         surface_runs.turntable(job, turns, moving, files, as_json)
     else:
         surface_runs.still(job, files, as_json)
+
+
+app.command()(surface_export.export)
 
 
 def _print_orders(

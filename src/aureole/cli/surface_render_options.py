@@ -421,10 +421,8 @@ class MaterialFlags:
     def material(self, table: surface.ScatterTable | None) -> surface.Material:
         """Return the material; without a table only to refuse what is wrong."""
         refuse.one_of("geometry", self.geometry, surface.material.GEOMETRY)
-        specular = self.specular
-        if specular is None:
-            specular = 0.0 if table is None else jobs.usual_specular(table)
-        return surface.Material(
+        specular = 0.0 if self.specular is None else self.specular
+        given = surface.Material(
             diffuse=_colour(self.diffuse, "diffuse"),
             specular=refuse.between("specular", specular, 0.0, 1e6),
             roughness=refuse.between("roughness", self.roughness, 1e-3, 10.0),
@@ -433,6 +431,9 @@ class MaterialFlags:
             geometry=self.geometry,
             window=None if self.window is None else _window(self.window),
         )
+        if table is None or self.specular is not None:
+            return given
+        return surface.material_of(table, given, self.roughness)
 
 
 def turning(text: str | None) -> dict[str, Any]:

@@ -72,7 +72,7 @@ def table(job: Any, files: TableFiles, as_json: bool, title: str = "table") -> N
     output.report(title, result.report, written, as_json, time.perf_counter() - start)
 
 
-def made_table(text: str, illuminant: str, size: int | None) -> jobs.SurfaceTableResult:
+def made_table(text: str, illuminant: str, size: int | None) -> surface.ScatterTable:
     """Read a table or make one of a preset, under a progress bar.
 
     Parameters
@@ -86,11 +86,11 @@ def made_table(text: str, illuminant: str, size: int | None) -> jobs.SurfaceTabl
 
     Returns
     -------
-    SurfaceTableResult
-        The table and its numbers.
+    ScatterTable
+        The table.
     """
-    found = output.follow(jobs.table_stages(text, illuminant, size))
-    assert isinstance(found, jobs.SurfaceTableResult)
+    found = output.follow(jobs.named_table_stages(text, illuminant, size))
+    assert isinstance(found, surface.ScatterTable)
     return found
 
 

@@ -28,6 +28,8 @@ contact_sheet   small pictures of many on one sheet
 surface         a diffractive surface's table, and what it is in numbers
 surface_sources surfaces as people describe them: presets, slits, heights, tables in files
 surface_preview a table drawn over h
+surface_measure photographs of a sample, and the table that they make
+surface_export  a surface for other software
 surface_scene   what suits a surface that is drawn: object, distance, metals
 surface_render  pictures of a diffractive surface on an object, still or turning
 demo            the main job on the bundled scene
@@ -63,6 +65,8 @@ from aureole.jobs.page import check_page, write_page
 from aureole.jobs.run import finish, run
 from aureole.jobs.starburst import StarburstJob, StarburstResult
 from aureole.jobs.surface import SurfaceTableJob, SurfaceTableResult, order_rows
+from aureole.jobs.surface_export import SurfaceExport, export, export_places, export_target
+from aureole.jobs.surface_measure import Bracket, SurfaceMeasureJob
 from aureole.jobs.surface_preview import write_table_preview
 from aureole.jobs.surface_render import (
     SurfaceRenderJob,
@@ -70,15 +74,15 @@ from aureole.jobs.surface_render import (
     SurfaceTurnJob,
     render_exposure,
 )
-from aureole.jobs.surface_scene import METALS, fitting_distance, usual_shape, usual_specular
+from aureole.jobs.surface_scene import METALS, fitting_distance, usual_shape
 from aureole.jobs.surface_sources import (
     TABLE_SUFFIXES,
     grating_titles,
     heights_from_file,
+    is_table,
+    named_table_stages,
     read_pixels,
     read_plane,
-    table_of,
-    table_stages,
 )
 from aureole.jobs.viewer import Viewer
 
@@ -89,6 +93,7 @@ __all__ = [
     "AnimationResult",
     "ApertureJob",
     "ApertureResult",
+    "Bracket",
     "DemoJob",
     "DemoResult",
     "EyeAnimationJob",
@@ -118,6 +123,8 @@ __all__ = [
     "PupilMeasures",
     "StarburstJob",
     "StarburstResult",
+    "SurfaceExport",
+    "SurfaceMeasureJob",
     "SurfaceRenderJob",
     "SurfaceRenderResult",
     "SurfaceTableJob",
@@ -127,24 +134,26 @@ __all__ = [
     "Viewer",
     "check_drawing",
     "check_page",
+    "export",
+    "export_places",
+    "export_target",
     "eye_brightness",
     "finish",
     "fitting_distance",
     "grating_titles",
     "heights_from_file",
+    "is_table",
     "lens_ghosts",
     "lens_list",
     "lens_report",
+    "named_table_stages",
     "order_rows",
     "pupil_measures",
     "read_pixels",
     "read_plane",
     "render_exposure",
     "run",
-    "table_of",
-    "table_stages",
     "usual_shape",
-    "usual_specular",
     "write_drawing",
     "write_eye_preview",
     "write_page",

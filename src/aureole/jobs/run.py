@@ -17,6 +17,7 @@ from aureole.jobs import (
     near_texture,
     starburst,
     surface,
+    surface_measure,
     surface_render,
 )
 from aureole.records import Stage
@@ -52,6 +53,7 @@ run.register(eye.EyeAnimationJob, eye.run_eye_animation)
 run.register(eye_glare.EyeGlareJob, eye_glare.run_eye_glare)
 run.register(eye_glare_frames.EyeGlareAnimationJob, eye_glare_frames.run_eye_glare_animation)
 run.register(surface.SurfaceTableJob, surface.run_surface_table)
+run.register(surface_measure.SurfaceMeasureJob, surface_measure.run_surface_measure)
 run.register(surface_render.SurfaceRenderJob, surface_render.run_surface_render)
 run.register(surface_render.SurfaceTurnJob, surface_render.run_surface_turn)
 run.register(demo.DemoJob, demo.run_demo)

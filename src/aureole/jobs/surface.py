@@ -5,13 +5,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from aureole import light, picture, refuse, surface
 from aureole.records import Stage
 
-# Incidences at which a table's albedo is told, degrees.
-INCIDENCES = (0, 30, 60)
 # Measured peak of making a table, rounded up.
 BYTES_PER_SAMPLE = 80
 GRATING_SIZE, HEIGHT_SIZE = 2048, 1024
@@ -89,31 +85,48 @@ def run_surface_table(job: SurfaceTableJob) -> Iterator[Stage]:
     Stage
         The last one holds a `SurfaceTableResult`.
     """
-    heights = isinstance(job.source, surface.HeightField)
-    size = job.size or ((HEIGHT_SIZE,) * 2 if heights else (GRATING_SIZE,) * 2)
-    refuse_table(size)
-    spectrum = light.illuminant(job.illuminant)
-    shared: dict[str, Any] = {
-        "spectrum": spectrum,
-        "size": size,
-        "half_range": job.half_range,
-        "warp": job.warp,
-        "zero_order": job.zero_order,
-    }
-    if isinstance(job.source, surface.HeightField):
-        made = surface.table_from_height_stages(job.source, method=job.method, order=job.order, **shared)
-    else:
-        made = surface.table_from_grating_stages(job.source, **shared)
     table = None
-    for stage in made:
+    for stage in table_stages(job):
         table = stage.result
         yield Stage(0.8 * stage.fraction, stage.label)
     assert isinstance(table, surface.ScatterTable)
     yield from finished_table(table, {"surface": job.source.name, **job.facts}, job.normalise)
 
 
+def table_stages(job: SurfaceTableJob) -> Iterator[Stage]:
+    """Make a table as it comes, neither normalised nor measured.
+
+    Parameters
+    ----------
+    job : SurfaceTableJob
+        What to make.
+
+    Yields
+    ------
+    Stage
+        The last one holds a `ScatterTable`.
+    """
+    heights = isinstance(job.source, surface.HeightField)
+    size = job.size or ((HEIGHT_SIZE,) * 2 if heights else (GRATING_SIZE,) * 2)
+    refuse_table(size)
+    shared: dict[str, Any] = {
+        "spectrum": light.illuminant(job.illuminant),
+        "size": size,
+        "half_range": job.half_range,
+        "warp": job.warp,
+        "zero_order": job.zero_order,
+    }
+    if isinstance(job.source, surface.HeightField):
+        yield from surface.table_from_height_stages(job.source, method=job.method, order=job.order, **shared)
+    else:
+        yield from surface.table_from_grating_stages(job.source, **shared)
+
+
 def finished_table(
-    table: surface.ScatterTable, facts: Mapping[str, Any], normalise: bool = False
+    table: surface.ScatterTable,
+    facts: Mapping[str, Any],
+    normalise: bool = False,
+    notes: tuple[str, ...] = (),
 ) -> Iterator[Stage]:
     """Normalise a table where that is wanted, and measure it.
 
@@ -125,6 +138,8 @@ def finished_table(
         What is known about it, for the report.
     normalise : bool
         Whether no more light may come back than was sent.
+    notes : tuple of str
+        What a person should know besides.
 
     Yields
     ------
@@ -135,11 +150,11 @@ def finished_table(
     if normalise:
         table = surface.normalised(table)
     report = {**facts, **table_report(table)}
-    notes = tuple(str(note) for note in table.metadata.get("notes", ()))
-    if not normalise and report["albedo_0deg"] > 1.0:
+    notes += tuple(str(note) for note in table.metadata.get("notes", ()))
+    if report["albedo_bound"] > 1.0:
         notes += (
-            f"the table sends back {report['albedo_0deg']:.3g} times the light that came: its scale is not "
-            "known, or too high; --normalise brings it to 1 at most",
+            f"the table sends back up to {report['albedo_bound']:.3g} times the light that came: its scale "
+            "is not known, or too high; --normalise brings it to 1 at most",
         )
     yield Stage(1.0, "table", SurfaceTableResult(table, report, notes))
 
@@ -178,21 +193,13 @@ def table_report(table: surface.ScatterTable) -> dict[str, Any]:
     Returns
     -------
     dict
-        Units in the names; albedos are shares of luminance with F² G = 1.
+        What `aureole.surface.describe` says, and what the table's metadata say.
     """
-    rows, columns = table.values.shape[:2]
-    sines = np.sin(np.radians(INCIDENCES))
-    shares = surface.albedo(table, np.stack([sines, np.zeros_like(sines)], axis=-1))
-    told: dict[str, Any] = {
-        "illuminant": table.illuminant,
-        "model": table.model,
-        "zero_order": table.zero_order,
-        "size": [columns, rows],
-        "half_range": table.half_range,
-        "warp": table.warp,
-    }
-    told |= {f"albedo_{angle}deg": float(share[1]) for angle, share in zip(INCIDENCES, shares, strict=True)}
-    for name in ("zero_order_energy", "zero_order_radius", "normalised_by", "series_error", "wavelengths"):
+    told = dict(surface.describe(table))
+    told |= {f"albedo_{angle.replace('_', '')}": share for angle, share in told.pop("albedo").items()}
+    rows, columns = told.pop("rows"), told.pop("columns")
+    told = {"size": [columns, rows], **told}
+    for name in ("zero_order_energy", "zero_order_radius", "series_error", "wavelengths"):
         if name in table.metadata:
             value = table.metadata[name]
             told[name] = [float(part) for part in value] if isinstance(value, tuple | list) else value

@@ -16,10 +16,6 @@ from aureole.records import Picture, Stage
 ABOUT = ("turn", "tilt", "spin")
 # Percentile of the lit pixels' luminance, what it is shown as, and the most stops for it.
 EXPOSURE = (95.0, 0.5, 40.0)
-# Measured peak of a picture, rounded up.
-BYTES_PER_PIXEL, BYTES_PER_MESH_SAMPLE = 60, 120
-# Points on a lens are those of a sunflower: even over the disc at any number.
-GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +190,7 @@ def check_render(job: SurfaceRenderJob) -> None:
     Raises
     ------
     refuse.Refusal
-        Where a choice or a number does not fit, or there is not enough memory.
+        Where a choice or a number does not fit.
     """
     refuse.one_of("colour-space", job.colour_space, light.SPACES)
     refuse.between("samples", refuse.at_least("samples", job.samples, 1), 1, 16)
@@ -205,45 +201,6 @@ def check_render(job: SurfaceRenderJob) -> None:
         raise refuse.Refusal("'depth-of-field' needs a view in perspective; leave 'view-height' out.")
     if job.focus is not None:
         refuse.positive("focus", job.focus)
-    pixels = job.view.shape[0] * job.view.shape[1]
-    each = BYTES_PER_PIXEL
-    if isinstance(job.shape, surface.Mesh):
-        each += BYTES_PER_MESH_SAMPLE
-    needed, limit = each * pixels, picture.allowed_memory()
-    if needed > limit:
-        raise refuse.Refusal(
-            f"a picture of {job.view.shape[1]} x {job.view.shape[0]} pixels needs about {needed / 1e9:.3g} "
-            f"GB of memory, {limit / 1e9:.3g} GB are allowed; see --size."
-        )
-
-
-def lens_views(view: surface.View, opening: float, focus: float, count: int) -> list[surface.View]:
-    """Return views through the points of a lens, which all see the plane of focus alike.
-
-    Parameters
-    ----------
-    view : View
-        Through the lens's middle, in perspective.
-    opening : float
-        The lens's diameter, metres.
-    focus : float
-        Metres along the line of sight to the plane of focus.
-    count : int
-        Points, even over the disc.
-
-    Returns
-    -------
-    list of View
-        Of the same picture; their mean is the picture that the lens makes.
-    """
-    right, up = (vector / np.linalg.norm(vector) for vector in (view.right, view.up))
-    found = []
-    for k in range(count):
-        radius = 0.5 * opening * math.sqrt((k + 0.5) / count)
-        aside = radius * (math.cos(GOLDEN * k) * right + math.sin(GOLDEN * k) * up)
-        # A ray through the moved point meets the plane of focus where it did before.
-        found.append(replace(view, eye=view.eye + aside, forward=view.forward - aside / focus))
-    return found
 
 
 def render_report(job: SurfaceRenderJob) -> dict[str, Any]:
@@ -339,21 +296,16 @@ def _focus(job: SurfaceRenderJob) -> float:
 
 
 def _drawn(job: SurfaceRenderJob, prepared: surface.Shader) -> Iterator[Stage]:
-    """Draw through each point of the lens, and take the mean."""
-    pose = surface.pose_of(tilt=job.tilt, turn=job.turn, spin=job.spin)
-    views = (
-        [job.view] if not job.opening else lens_views(job.view, job.opening, _focus(job), job.lens_samples)
+    """Draw a picture; the last stage holds it."""
+    lens = surface.ThinLens(job.opening, _focus(job), job.lens_samples) if job.opening else None
+    scene = surface.Scene(
+        job.lamps,
+        job.view,
+        surface.pose_of(tilt=job.tilt, turn=job.turn, spin=job.spin),
+        environment=job.environment,
+        lens=lens,
     )
-    total = None
-    for k, view in enumerate(views):
-        scene = surface.Scene(job.lamps, view, pose, job.material)
-        for stage in surface.render_stages(scene, prepared, job.shape, job.samples):
-            seen = stage.result
-            yield Stage((k + stage.fraction) / len(views), stage.label)
-        assert isinstance(seen, Picture)
-        total = seen.pixels / len(views) if total is None else total + seen.pixels / len(views)
-    assert total is not None
-    yield Stage(1.0, "rendered", Picture(total.astype(np.float32), job.colour_space))
+    yield from surface.render_stages(scene, prepared, job.shape, job.samples)
 
 
 def _plain(value: Any) -> Any:

@@ -42,25 +42,6 @@ def usual_shape(text: str) -> tuple[str, tuple[float, float]]:
     return preset.shape, (1e-3 * width, 1e-3 * height)
 
 
-def usual_specular(table: surface.ScatterTable) -> float:
-    """Return the weight of a mirror's lobe that gives back what a table left out about h = 0.
-
-    Parameters
-    ----------
-    table : ScatterTable
-        Any.
-
-    Returns
-    -------
-    float
-        Share of luminance; 0 where the table has its own zero order.
-    """
-    left_out = table.metadata.get("zero_order_energy") if table.zero_order == "specular" else None
-    if left_out is None:
-        return 0.0
-    return float(left_out[1] if isinstance(left_out, tuple | list) else left_out)
-
-
 def fitting_distance(
     body: surface.Plane | surface.Disc | surface.Cylinder | surface.Mesh, angle: float, shape: tuple[int, int]
 ) -> float:

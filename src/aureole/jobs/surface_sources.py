@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import picture, presets, refuse, surface
-from aureole.jobs.surface import SurfaceTableJob, SurfaceTableResult, finished_table, run_surface_table
+from aureole.jobs.surface import SurfaceTableJob, table_stages
 from aureole.records import Stage
 
 TABLE_SUFFIXES = (".exr", ".pfm", ".npz")
@@ -117,7 +117,7 @@ def is_table(text: str) -> bool:
     return Path(text).suffix.lower() in TABLE_SUFFIXES
 
 
-def table_stages(
+def named_table_stages(
     text: str, illuminant: str = "D65", size: int | None = None, zero_order: str = "specular"
 ) -> Iterator[Stage]:
     """Read a table, or make one of a grating's preset.
@@ -136,44 +136,23 @@ def table_stages(
     Yields
     ------
     Stage
-        The last one holds a `SurfaceTableResult`.
+        The last one holds a `ScatterTable`.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where there is no such table or preset.
     """
     if is_table(text):
         yield Stage(0.0, "reading the table")
-        yield from finished_table(surface.read_table(text), {"surface": Path(text).name})
+        yield Stage(1.0, "table", surface.read_table(text))
         return
     if "." in text and not text.endswith(".toml"):
         raise refuse.Refusal(
             f"'{text}' is neither a table ({', '.join(TABLE_SUFFIXES)}) nor a grating's preset or .toml file."
         )
-    job = SurfaceTableJob(
-        surface.grating(text), illuminant, None if size is None else (size, size), zero_order=zero_order
-    )
-    yield from run_surface_table(job)
-
-
-def table_of(text: str, illuminant: str = "D65", size: int | None = None) -> SurfaceTableResult:
-    """Read a table, or make one of a grating's preset.
-
-    Parameters
-    ----------
-    text : str
-        A table's file, a preset's name, or a preset's file.
-    illuminant : str
-        Of a preset's light.
-    size : int, optional
-        Of a preset's table.
-
-    Returns
-    -------
-    SurfaceTableResult
-        The table and its numbers.
-    """
-    result = None
-    for stage in table_stages(text, illuminant, size):
-        result = stage.result
-    assert isinstance(result, SurfaceTableResult)
-    return result
+    shape = None if size is None else (size, size)
+    yield from table_stages(SurfaceTableJob(surface.grating(text), illuminant, shape, zero_order=zero_order))
 
 
 def grating_titles() -> dict[str, str]:
