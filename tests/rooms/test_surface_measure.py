@@ -168,3 +168,68 @@ def test_the_zero_order_takes_its_energy_with_it():
     assert cut.energy == pytest.approx(2 * math.pi * 0.005**2, rel=1e-5)
     assert cut.width == pytest.approx(0.005, rel=1e-3)
     assert left.values.max() < 1e-6
+
+
+def dots():
+    """A zero order and four orders."""
+    rows, columns = np.mgrid[0:121.0, 0:121.0]
+    return sum(
+        top * np.exp(-0.5 * ((rows - 60.0) ** 2 + (columns - 60.0 - 25 * order) ** 2) / 9.0)
+        for order, top in ((-2, 0.1), (-1, 0.3), (0, 1.0), (1, 0.3), (2, 0.1))
+    )
+
+
+def test_a_flat_field_undoes_the_lenss_falling_off():
+    rows, columns = np.mgrid[0:121.0, 0:121.0]
+    falling = 1.0 / (1.0 + ((rows - 60.0) ** 2 + (columns - 50.0) ** 2) / 90.0**2) ** 2
+    geometry = surface.UniformGeometry(1e-3)
+    how = {"geometry": geometry, "wavelength": 530e-9, "centre": (60.0, 60.0)}
+    right = surface.measure_pattern(dots(), 1.0, **how)
+    evened = surface.measure_pattern(dots() * falling, 1.0, **how, flat=700.0 * falling)
+    plain = surface.measure_pattern(dots() * falling, 1.0, **how)
+    top = right.values.max()
+    assert np.abs(evened.values - right.values).max() < 0.01 * top
+    assert np.abs(plain.values - right.values).max() > 0.05 * top
+
+
+@pytest.mark.parametrize(
+    ("photo", "options", "word"),
+    [
+        (np.zeros((60, 60)), {}, "no light"),
+        (512.0 + np.random.default_rng(1).normal(size=(300, 300)), {"black": 512.0}, "no light"),
+        (np.full((60, 60), 500.0), {"black": 512.0}, "no light"),
+        (dots(), {"flat": np.zeros((121, 121))}, "flat"),
+        (dots(), {"flat": np.ones((121, 120))}, "flat"),
+        (dots(), {"blur": -1.0}, "blur"),
+        (dots(), {"centre": (200.0, 60.0)}, "centre"),
+        (dots(), {"half_range": 2.5}, "half_range"),
+        (dots(), {"half_range": 0.5, "size": 100000}, "samples"),
+        (dots(), {"period": -1e-6}, "period"),
+        (dots(), {"iteration": 3}, "iterations"),
+        (dots(), {"irradiance": 0.0}, "irradiance"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused(photo, options, word):
+    with pytest.raises(refuse.Refusal, match=word):
+        surface.measure_pattern(photo, 1.0, surface.UniformGeometry(1e-3), 530e-9, **options)
+
+
+def test_sharpening_does_not_crowd_light_at_the_rim():
+    # An even pattern stays even under any band: what comes in over the rim is accounted for.
+    band = virtual.gaussian_filter_spectrum(530e-9, 40e-9)
+    even = surface.diffraction_pattern(np.ones((101, 101)), 0.02, 530e-9)
+    wavelengths, shares = band.wavelengths, band.values
+    level = float(shares @ (530e-9 / wavelengths) ** 2)
+    sharp = surface.sharpen(even, band, 2.0, iterations=20)
+    assert np.abs(sharp.values * level - 1.0).max() < 0.01
+
+
+def test_sharpening_leaves_what_was_not_measured_empty():
+    seen = np.ones((101, 101), bool)
+    seen[:, 80:] = False
+    band = virtual.gaussian_filter_spectrum(530e-9, 40e-9)
+    pattern = surface.diffraction_pattern(np.where(seen, 1.0, 0.0), 0.02, 530e-9)
+    level = float(band.values @ (530e-9 / band.wavelengths) ** 2)
+    sharp = surface.sharpen(pattern, band, 2.0, iterations=20, seen=seen)
+    assert not sharp.values[~seen].any()
+    assert np.abs(sharp.values[seen] * level - 1.0).max() < 0.02

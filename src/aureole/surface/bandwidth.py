@@ -26,6 +26,7 @@ Operator = Callable[[Plane], Plane]
 
 _CUBIC = 4  # taps: linear look-ups would blur what the iteration then sharpens twice
 MOST_WAVELENGTHS = 64
+TAIL = 2e-3  # of a band's height: what is fainter is left out
 REACHED = 1e-2  # of a sample's light: what the photograph saw less of says nothing about it
 
 
@@ -100,10 +101,9 @@ def shares_of(band: Spectrum, count: int) -> tuple[NDArray[np.float64], NDArray[
         They sum to 1.
     """
     if band.kind == "lines":
-        return band.wavelengths, band.values / band.values.sum()
-    lit = np.flatnonzero(band.values)
-    low = band.wavelengths[max(lit[0] - 1, 0)]
-    high = band.wavelengths[min(lit[-1] + 1, band.values.size - 1)]
+        lit = band.values > 0
+        return band.wavelengths[lit], band.values[lit] / band.values[lit].sum()
+    low, high = _lit(band)
     edges = np.linspace(low, high, count + 1)
     # Eight points in each cell follow the corners of a sampled density.
     fine = (edges[:-1, None] + np.diff(edges)[:, None] * (np.arange(8) + 0.5) / 8.0).ravel()
@@ -112,6 +112,15 @@ def shares_of(band: Spectrum, count: int) -> tuple[NDArray[np.float64], NDArray[
     seen = power > 0
     middles = (density * fine.reshape(count, 8)).sum(axis=1)[seen] / power[seen]
     return middles, power[seen] / power.sum()
+
+
+def _lit(band: Spectrum) -> tuple[float, float]:
+    """Return the shortest and the longest wavelength of a band, its faintest tails left out."""
+    lit = np.flatnonzero(band.values > TAIL * band.values.max())
+    if band.kind == "lines":
+        return float(band.wavelengths[lit[0]]), float(band.wavelengths[lit[-1]])
+    low, high = max(lit[0] - 1, 0), min(lit[-1] + 1, band.values.size - 1)
+    return float(band.wavelengths[low]), float(band.wavelengths[high])
 
 
 def smeared(
@@ -226,7 +235,7 @@ def sharpen_stages(
     inside = tuple(slice(margin, margin + count) for count in known.shape)
     reached = adjoint(np.pad(known.astype(np.float32), margin))
     told = reached > REACHED * reached.max()
-    estimate = np.maximum(np.pad(measured, margin, mode="edge"), floor).astype(np.float32)
+    estimate = np.maximum(np.pad(_filled(measured, known), margin, mode="edge"), floor).astype(np.float32)
     for k in range(iterations):
         yield Stage(k / iterations, "undoing band and blur")
         ratio = np.where(known, measured / np.maximum(forward(estimate)[inside], floor), 0.0)
@@ -237,11 +246,21 @@ def sharpen_stages(
     yield Stage(1.0, "pattern", replace(pattern, values=sharp))
 
 
+def _filled(values: Plane, known: NDArray[np.bool_]) -> Plane:
+    """Carry the nearest known values into what is not known, as a first guess."""
+    from scipy.ndimage import distance_transform_edt
+
+    if known.all() or not known.any():
+        return values
+    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    return values[rows, columns]
+
+
 def _margin(plane: Pattern, band: Spectrum | None, blur: float) -> int:
     """Count the samples beyond the rim from which band and blur bring light in."""
     shortest = plane.wavelength
     if band is not None:
-        shortest = min(shortest, float(band.wavelengths[np.flatnonzero(band.values)[0]]))
+        shortest = min(shortest, _lit(band)[0])
     half = 0.5 * float(max(plane.intensity.shape))
     blurred = 3.0 * blur / min(plane.grid.spacing)
     wide: float = min(half * (plane.wavelength / shortest - 1.0), half) + blurred
@@ -285,8 +304,8 @@ def _operators(plane: Pattern, band: Spectrum | None, power: float, blur: float)
 
 def _enough(plane: Pattern, band: Spectrum) -> int:
     """Count the wavelengths that step by about two samples from one to the next at the rim."""
-    lit = band.wavelengths[band.values > 0]
-    smear = float(np.ptp(lit)) / plane.wavelength * max(plane.intensity.shape) / 2.0
+    low, high = _lit(band)
+    smear = (high - low) / plane.wavelength * max(plane.intensity.shape) / 2.0
     return int(np.clip(np.ceil(smear / 2.0), 8, MOST_WAVELENGTHS))
 
 
