@@ -253,7 +253,7 @@ def _filled(values: Plane, known: NDArray[np.bool_]) -> Plane:
     if known.all() or not known.any():
         return values
     rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
-    return values[rows, columns]
+    return np.asarray(values[rows, columns], dtype=np.float32)
 
 
 def _margin(plane: Pattern, band: Spectrum | None, blur: float) -> int:
