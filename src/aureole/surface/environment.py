@@ -117,7 +117,7 @@ class EnvironmentReflection:
         Samples across the disc of directions; an even count is lowered by one.
     filter : str
         "average" takes the table's mean over each step, so that lines narrower than a step keep their
-        energy; "point" its values, which is finer where the table is smooth.
+        energy; "sharpened" takes the blur of that off again; "point" takes the table's values.
     precision : str
         "single": rounding is some 2e-7 of the brightest view, in every view; "double": none to speak of.
     threads : int, optional
@@ -129,7 +129,7 @@ class EnvironmentReflection:
         table: ScatterTable,
         colour_space: str = "rec709",
         size: int = 1023,
-        filter: str = "average",
+        filter: str = "sharpened",
         precision: str = "single",
         threads: int | None = None,
     ) -> None:
@@ -180,7 +180,11 @@ class EnvironmentReflection:
 
 
 def reflect(
-    table: ScatterTable, environment: Environment, frame: ArrayLike, size: int = 1023, filter: str = "average"
+    table: ScatterTable,
+    environment: Environment,
+    frame: ArrayLike,
+    size: int = 1023,
+    filter: str = "sharpened",
 ) -> ReflectedLight:
     """Reflect light from all around off a flat sample, towards every view at once.
 
@@ -195,7 +199,7 @@ def reflect(
     size : int
         Samples across the disc of directions.
     filter : str
-        "average" or "point" (`EnvironmentReflection`).
+        As for `EnvironmentReflection`.
 
     Returns
     -------

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from aureole.surface.environment import Environment, directions_checked, frame_checked, frame_of
-from aureole.surface.quadrature import quadrature
+from aureole.surface.quadrature import BorderSums, borders
 from aureole.surface.table import ScatterTable
 
 
@@ -18,8 +18,6 @@ def prefiltered(
     environment: Environment,
     frame: ArrayLike,
     views: ArrayLike,
-    tolerance: float = 1e-3,
-    most_parts: int = 16,
 ) -> NDArray[np.float64]:
     """Look up the paper's prefiltered light at the mirror directions of some views.
 
@@ -33,8 +31,6 @@ def prefiltered(
         Tangent, bitangent and normal of the sample in the world.
     views : array_like, shape (V, 2)
         Direction cosines along tangent and bitangent.
-    tolerance, most_parts : float, int
-        As in `aureole.surface.quadrature.quadrature`.
 
     Returns
     -------
@@ -44,10 +40,10 @@ def prefiltered(
     axes = frame_checked(frame)
     places = directions_checked("views", views).reshape(-1, 2)
     mirrors = np.column_stack([-places, np.sqrt(np.maximum(0.0, 1.0 - (places**2).sum(axis=1)))])
+    sums, straight = BorderSums(table, environment.colour_space), np.zeros((1, 2))
     found = []
     for mirror in mirrors:
         # The mirror direction becomes the normal, and the tangent keeps its heading.
         turned = frame_of(mirror @ axes, axes[0] if abs(mirror[0]) < 0.999999 else axes[1])
-        seen = quadrature(table, environment, turned, [[0.0, 0.0]], tolerance, most_parts)
-        found.append(seen.radiance[0])
-    return np.asarray(found)
+        found.append(sums(borders(environment, turned), straight)[0])
+    return np.asarray(found).reshape(-1, 3)
