@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from aureole import surface
+from aureole import refuse, surface
+from aureole.bench.surface_environment import environment_errors
 from aureole.surface.environment import Environment, directions
 from aureole.surface.resampling import on_even_steps
 from aureole.surface.table import axis, lookup
@@ -158,3 +159,26 @@ def test_points_on_even_steps_are_the_tables_own_look_ups():
     h_t, h_b = (np.arange(41) - 20) * 0.07, (15 - np.arange(31)) * 0.07
     expected = lookup(table, h_t[None, :], h_b[:, None])
     np.testing.assert_allclose(plane, expected, rtol=1e-5, atol=1e-6)
+
+
+def test_a_cameras_part_of_the_views_is_the_same_light_finer():
+    table, room = surface.table_from_grating("lcd-342ppi", size=257), lamps()
+    centre = np.array([0.2, -0.1])
+    views = centre + np.array([[0, 0], [0.03, 0.04], [-0.05, 0.02], [0.05, -0.05]])
+    exact = surface.quadrature(table, room, FRAME, views).radiance
+    close = surface.CloseReflection(table, centre, 0.05, 1e-3, size=511)(room, FRAME)
+    error = np.abs(close.towards(views) - exact).max(axis=1) / exact.max()
+    assert error.max() <= 3e-3
+    with pytest.raises(refuse.Refusal, match="'views' must lie within"):
+        close.towards([[0.4, 0.4]])
+    with pytest.raises(refuse.Refusal, match="GB of memory"):
+        surface.CloseReflection(table, centre, 0.5, 1e-6)
+
+
+def test_the_bench_finds_the_errors_that_are_asked_for():
+    found = environment_errors(lobes(512), "lobes", "all", quick=True)
+    prefilter, correlation = found
+    assert correlation["normal_percent"] <= 100 * NORMAL
+    assert correlation["own_percent"] <= 100 * OBLIQUE
+    assert prefilter["normal_percent"] <= 1e-3
+    assert prefilter["rmse_percent"] > 7.6

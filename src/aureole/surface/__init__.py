@@ -54,7 +54,8 @@ Drawn:
 - `scene.py`: `render`: lamps, view, material, table and shape in, a `Picture` out.
 - `focus.py`: depth of field: views through a lens's points, or a picture's layers blurred by their depths.
 - `environment.py`: light from all around on a flat sample, towards all views by one correlation.
-- `quadrature.py`: the same summed direction by direction: the reference.
+- `close_reflection.py`: the same towards a camera's part of the views, sharp orders resolved.
+- `quadrature.py`: the same by the full integral over all directions: the reference.
 - `prefilter.py`: the same by the surface paper's reflection map, for comparison.
 - `surroundings.py`: light from all around on samples of any shape; blurred copies of the light.
 - `table_cells.py`: a table cut into small lobes, for that.
@@ -83,6 +84,7 @@ from aureole.surface.bokeh import (
 )
 from aureole.surface.bokeh_photo import Bokeh, heights_from_bokeh, heights_from_bokeh_stages
 from aureole.surface.centre import Centre, find_centre
+from aureole.surface.close_reflection import CloseLight, CloseReflection
 from aureole.surface.colour_photos import assumed_sensitivities, measure_channels, measure_channels_stages
 from aureole.surface.complex_lights import LampShape, convolved, lamp_from_reflection
 from aureole.surface.environment import (
@@ -167,6 +169,8 @@ __all__ = [
     "BenchGeometry",
     "Bokeh",
     "Centre",
+    "CloseLight",
+    "CloseReflection",
     "Cylinder",
     "DiffractionPattern",
     "Disc",

@@ -12,7 +12,7 @@ Colours: table and light are multiplied channel by channel in a linear RGB space
 (the table is made for its spectrum); coloured light is as exact as three broad bands are.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,7 @@ from aureole.surface.table import ScatterTable, rgb
 MARGIN = 3  # samples of a plane beyond the disc, which the laying out of light reaches
 SAMPLES_AT_ONCE = 2_000_000
 FOUR_PI_SQUARED = 4 * np.pi**2
+Weight = Callable[[int, float], NDArray[np.float64]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,11 +80,14 @@ class ReflectedLight:
         Between samples, laid out as in `HemisphereMap`.
     colour_space : str
         Of the radiance.
+    centre : tuple of float
+        Direction cosines of the middle sample.
     """
 
     radiance: NDArray[np.float32]
     step: float
     colour_space: str
+    centre: tuple[float, float] = (0.0, 0.0)
 
     def towards(self, views: ArrayLike) -> NDArray[np.float32]:
         """Look up the light that leaves towards some views.
@@ -98,7 +102,13 @@ class ReflectedLight:
         ndarray of float32, shape (..., 3)
             Radiance, cubic between samples.
         """
-        places = directions_checked("views", views)
+        places = directions_checked("views", views) - self.centre
+        reach = (len(self.radiance) // 2 - 2) * self.step
+        if np.abs(places).max(initial=0.0) > reach:
+            raise refuse.Refusal(
+                f"'views' must lie within {reach:.4g} of {self.centre} along tangent and bitangent: "
+                "no light was reflected towards others."
+            )
         middle = len(self.radiance) // 2
         x, y = middle + places[..., 0] / self.step, middle - places[..., 1] / self.step
         return _cubic(self.radiance, x, y)
@@ -122,6 +132,8 @@ class EnvironmentReflection:
         "single": rounding is some 2e-7 of the brightest view, in every view; "double": none to speak of.
     threads : int, optional
         How many to use; by default one for each processor.
+    weight : callable or None
+        Gives, for the samples on each side of h = 0 and their step, what multiplies the table.
     """
 
     def __init__(
@@ -132,6 +144,7 @@ class EnvironmentReflection:
         filter: str = "sharpened",
         precision: str = "single",
         threads: int | None = None,
+        weight: Weight | None = None,
     ) -> None:
         refuse.one_of("colour_space", colour_space, light.SPACES)
         self.size, self.step = plane_of(size)
@@ -139,6 +152,8 @@ class EnvironmentReflection:
         colours = rgb(table, colour_space)
         counts = (2 * self.size - 1, 2 * self.size - 1)
         kernel = on_even_steps(colours, table.half_range, table.warp, counts, self.step, filter)
+        if weight is not None:
+            kernel = kernel * weight(self.size - 1, self.step)[..., None].astype(np.float32)
         shape = (self.size, self.size)
         self._convolver = Convolver(FOUR_PI_SQUARED * kernel, shape, precision, threads)
 
@@ -230,13 +245,43 @@ def hemisphere(environment: Environment, frame: ArrayLike, size: int = 1023) -> 
         Its sum is the irradiance.
     """
     samples, step = plane_of(size)
-    plane = np.zeros((samples, samples, 3))
-    rows = environment.radiance.shape[0]
-    parts = max(1, int(np.ceil(1.5 * np.pi / rows / step)))
-    weights, middle = np.empty((2, 4)), np.full(2, samples // 2, dtype=np.int64)
-    for places, energies, count in directions(environment, frame, parts):
-        _kernels_environment.lay_out(places, energies, count, weights, middle, step, plane)
-    return HemisphereMap(plane.astype(np.float32), step)
+    return HemisphereMap(laid_out(environment, frame, (samples, samples), step), step)
+
+
+def laid_out(
+    environment: Environment,
+    frame: ArrayLike,
+    counts: tuple[int, int],
+    step: float,
+    centre: ArrayLike = (0.0, 0.0),
+) -> NDArray[np.float32]:
+    """Lay the light above a flat sample on any plane of direction cosines, what falls on it.
+
+    Parameters
+    ----------
+    environment : Environment
+        The light.
+    frame : array_like, shape (3, 3)
+        Tangent, bitangent and normal of the sample in the world.
+    counts : tuple of int
+        Samples of the plane (rows, columns).
+    step : float
+        Between samples, in direction cosines.
+    centre : array_like, shape (2,)
+        Direction cosines of its sample (rows // 2, columns // 2).
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns, 3)
+        Integral of radiance over direction cosines about each sample.
+    """
+    axes, middle = frame_checked(frame), np.asarray(centre, dtype=np.float64)
+    radiance = np.ascontiguousarray(environment.radiance, dtype=np.float32)
+    rows = len(radiance)
+    parts = max(1, int(np.ceil(1.5 * np.pi / rows / refuse.positive("step", step))))
+    plane = np.zeros((*counts, 3))
+    _kernels_environment.lay_rows(radiance, (0, rows), parts, axes, middle, step, plane)
+    return plane.astype(np.float32)
 
 
 def directions(
