@@ -8,7 +8,7 @@ uniform vec2 extent;                       // half width and height; outer and i
 uniform float sweep;                       // angle of a cylinder, about +z
 uniform bool radial;                       // a disc's tangents
 uniform vec3 lamp;
-uniform bool lamp_distant, stam;
+uniform bool lamp_distant, stam, soft;
 uniform vec3 lamp_light;
 uniform float exposure, specular, roughness, diffraction;
 uniform vec3 diffuse, background;
@@ -85,6 +85,15 @@ vec3 encoded(vec3 linear) {
   return mix(12.92 * light, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, light));
 }
 
+// Colours beyond what a screen shows: paler until no part is negative, then whiter the brighter they are.
+vec3 softened(vec3 light) {
+  float grey = max(dot(light, vec3(0.2126, 0.7152, 0.0722)), 0.0);
+  float low = min(light.r, min(light.g, light.b));
+  if (low < 0.0) light = mix(light, vec3(grey), low / (low - max(grey, 1e-6)));
+  float top = max(light.r, max(light.g, light.b));
+  return top > 1.0 ? mix(vec3(1.0), light / top, inversesqrt(top)) : light;
+}
+
 void main() {
   vec4 total = vec4(0.0);
   vec2 corner = gl_FragCoord.xy - 0.5;
@@ -92,5 +101,6 @@ void main() {
     total += seen(corner + (vec2(k % samples, k / samples) + 0.5) / float(samples));
   }
   total /= float(samples * samples);
-  shown = vec4(encoded(total.rgb * exposure + background * (1.0 - total.a)), total.a);
+  vec3 light = total.rgb * exposure;
+  shown = vec4(encoded((soft ? softened(light) : light) + background * (1.0 - total.a)), total.a);
 }

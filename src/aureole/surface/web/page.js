@@ -73,6 +73,7 @@ function uniforms(gl, program, width, height, wider = 1) {
   const whole = {
     shape: SHAPES[state.shape], radial: Number(state.radial), lamp_distant: Number(state.lamp_distant),
     stam: Number(state.geometry === "stam"), samples: state.samples,
+    soft: Number(!state.bare),
   };
   for (const [name, value] of Object.entries(whole)) gl.uniform1i(at(name), value);
   gl.uniform2f(at("view_size"), width, height);
@@ -114,7 +115,7 @@ function bright(gl, program, pixels) {
     burnt += Number(largest === 255);
     count += 1;
   }
-  return sum > 0.42 * count || burnt > 0.03 * count;
+  return sum > 0.42 * count || burnt > 0.01 * count;
 }
 
 // The exposure at which the object is neither dark nor burnt out.
