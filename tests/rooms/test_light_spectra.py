@@ -75,10 +75,10 @@ def test_a_line_as_text():
     [
         (
             "D56",
-            "'illuminant' must be one of 'E', 'A', 'D65', 'F1', 'blackbody:3200K', 'line:550nm', got 'D56'."
-            " Did you mean 'D65'?",
+            "'illuminant' must be one of 'E', 'A', 'D65', 'F1', 'LED-B1', 'LED-B2', 'LED-B3', 'LED-B4', "
+            "'LED-B5', 'blackbody:3200K', 'line:550nm', got 'D56'. Did you mean 'D65'?",
         ),
-        ("blackbody", "'illuminant' must be one of 'E', 'A', 'D65', 'F1', 'blackbody:3200K', 'line:550nm'"),
+        ("blackbody", "'illuminant' must be one of 'E', 'A', 'D65', 'F1', 'LED-B1',"),
         ("blackbody:warm", "'blackbody' must be a temperature in kelvin, such as 3200K, got 'warm'."),
         ("blackbody:0K", "'kelvin' must be a finite number > 0, got 0."),
         ("line:550", "'wavelength' needs a unit (m, cm, mm, um or nm), got 550; write 550nm."),

@@ -55,6 +55,19 @@ def test_f1_has_its_printed_chromaticity():
     np.testing.assert_allclose(xy(lamp), (0.3131, 0.3371), atol=2e-4)
 
 
+DIODES = ((0.4560, 0.4078), (0.4357, 0.4012), (0.3756, 0.3723), (0.3422, 0.3502), (0.3118, 0.3236))
+
+
+@pytest.mark.parametrize("number", range(1, 6))
+def test_diodes_have_their_printed_chromaticity(number):
+    """CIE 15:2018, Table 12.2 sums at 5 nm, too."""
+    lamp = light.illuminant(f"LED-B{number}")
+    wavelengths, functions = light.observer()
+    coarse = np.interp(wavelengths[::5], lamp.wavelengths, lamp.values, left=0.0, right=0.0) @ functions[::5]
+    np.testing.assert_allclose(light.chromaticity(coarse), DIODES[number - 1], atol=AS_PRINTED_4)
+    np.testing.assert_allclose(xy(lamp), DIODES[number - 1], atol=3e-4)
+
+
 def test_tables_hold_their_printed_values():
     """ISO/CIE 11664-2, Table 1 and CIE 15:2018, Table 10.1, at a few wavelengths."""
     for name, printed in {

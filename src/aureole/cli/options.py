@@ -77,7 +77,9 @@ Since = Annotated[
 Illuminant = Annotated[
     str,
     typer.Option(
-        "--illuminant", help="E, A, D65, F1, blackbody:3200K or line:550nm.", rich_help_panel="Light"
+        "--illuminant",
+        help="E, A, D65, F1, LED-B1..5, blackbody:3200K or line:550nm.",
+        rich_help_panel="Light",
     ),
 ]
 ColourSpace = Annotated[

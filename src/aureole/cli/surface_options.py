@@ -27,7 +27,7 @@ Illuminant = Annotated[
     str,
     typer.Option(
         "--illuminant",
-        help="The light's spectrum: E, A, D65, F1, blackbody:3200K or line:532nm. It is in the table.",
+        help="The light, kept in the table: E, A, D65, F1, LED-B1..5, blackbody:3200K or line:532nm.",
         rich_help_panel=TABLE,
     ),
 ]

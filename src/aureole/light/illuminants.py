@@ -1,7 +1,7 @@
 """Illuminants by name: the CIE's tables and formulas, and black bodies and lines written as text."""
 
 import re
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -33,8 +33,8 @@ def illuminant(name: str) -> Spectrum:
 
     Notes
     -----
-    "F1" is the lamp that CIE 15:2018 calls FL1. "A" and "D65" reach from 300 to 830 nm, "F1" from
-    380 to 780 nm.
+    "F1" is the lamp that CIE 15:2018 calls FL1. "A" and "D65" reach from 300 to 830 nm, "F1" and
+    the light-emitting diodes "LED-B1" (2733 K) to "LED-B5" (6598 K) from 380 to 780 nm.
     """
     word, _, amount = name.partition(":")
     if word == "blackbody" and amount:
@@ -71,7 +71,19 @@ def _fluorescent() -> Spectrum:
     return spectrum(wavelengths, values[:, 0], name="F1")
 
 
-ILLUMINANTS = {"E": _equal_energy, "A": _incandescent, "D65": _daylight, "F1": _fluorescent}
+@cache
+def _diode(number: int) -> Spectrum:
+    wavelengths, values = table("illuminant_led_b")
+    return spectrum(wavelengths, values[:, number - 1], name=f"LED-B{number}")
+
+
+ILLUMINANTS = {
+    "E": _equal_energy,
+    "A": _incandescent,
+    "D65": _daylight,
+    "F1": _fluorescent,
+    **{f"LED-B{number}": partial(_diode, number) for number in range(1, 6)},
+}
 
 
 def _kelvin(text: str) -> float:
