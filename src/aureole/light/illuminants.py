@@ -1,6 +1,7 @@
 """Illuminants by name: the CIE's tables and formulas, and black bodies and lines written as text."""
 
 import re
+from collections.abc import Callable
 from functools import cache, partial
 
 import numpy as np
@@ -77,7 +78,7 @@ def _diode(number: int) -> Spectrum:
     return spectrum(wavelengths, values[:, number - 1], name=f"LED-B{number}")
 
 
-ILLUMINANTS = {
+ILLUMINANTS: dict[str, Callable[[], Spectrum]] = {
     "E": _equal_energy,
     "A": _incandescent,
     "D65": _daylight,
