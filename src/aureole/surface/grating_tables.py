@@ -27,10 +27,13 @@ from aureole.surface.table import (
     cells,
     checked_half_range,
     checked_warp,
+    refuse_too_large,
     scatter_table,
 )
 
 MOST_WAVELENGTHS = 801
+# What a sample takes while a table is made: three channels, the plane of one, and distances of rings.
+TABLE_BYTES = 64
 SHORTEST, LONGEST = 380e-9, 780e-9
 # Rings are integrated over this many distances, which is finer than any table's cells.
 DISTANCES = 8192
@@ -80,7 +83,7 @@ def table_from_grating(
     Raises
     ------
     refuse.Refusal
-        Where an input is not as described.
+        Where an input is not as described, or the table would not fit in memory.
     """
     for stage in table_from_grating_stages(
         source, spectrum, size, half_range, warp, wavelengths, zero_order, cosines
@@ -114,6 +117,7 @@ def table_from_grating_stages(
     """
     lines = grating(source) if isinstance(source, str) else checked(source)
     rows, columns = checked_size(size)
+    refuse_too_large("size", (rows, columns), TABLE_BYTES)
     checked_half_range(half_range)
     checked_warp(warp)
     refuse.one_of("zero_order", zero_order, ZERO_ORDERS)
@@ -207,12 +211,16 @@ def _rings(
     profile = np.zeros((DISTANCES, 3))
     for wavelength, weight in zip(*quadrature, strict=True):
         ends = (distances[:-1], distances[1:])
-        both = lines.along.mean(*ends, float(wavelength), cosines, zero_order)
-        both += lines.along.mean(-ends[1], -ends[0], float(wavelength), cosines, zero_order)
-        profile += 0.5 * both[:, None] * weight
+        mean = lines.along.mean(*ends, float(wavelength), cosines, zero_order)
+        if lines.along.profile == "blazed":
+            # Only facets send different light to both sides.
+            other = lines.along.mean(-ends[1], -ends[0], float(wavelength), cosines, zero_order)
+            mean = 0.5 * (mean + other)
+        profile += mean[:, None] * weight
     running = np.concatenate([np.zeros((1, 3)), np.cumsum(profile * np.diff(distances)[:, None], axis=0)])
     radius, low, high = ring_cells(t, b)
-    ring = lines.ring(radius) / (4.0 * np.pi**2)
+    # Straight lines between so many distances err by less than 1e-6.
+    ring = np.interp(radius, distances, lines.ring(distances)) / (4.0 * np.pi**2)
     values = np.empty((*radius.shape, 3), np.float32)
     for channel in range(3):
         light_in = np.interp(high, distances, running[:, channel])

@@ -93,6 +93,7 @@ def height_pattern(
     """
     field = as_field(heights, pixel)
     rows, columns = checked_size(size)
+    refuse_too_large("size", (rows, columns), TABLE_BYTES)
     refuse.positive("coherence", coherence)
     powers = order_powers(field, wavelength, method, order, cosines)
     t, b = cells(columns, half_range, 1), cells(rows, half_range, 1)[:, ::-1]
