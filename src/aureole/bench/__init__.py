@@ -32,7 +32,7 @@ eye_patterns        patterns from scratch, their sum, and CIE 135
 surface           the surface paper's bench, and which of these belongs to it:
 surface_tables      its lookup table from a photograph, time and memory
 surface_frames      frames a second
-surface_around      light from all around, beside its prefilter
+surface_environment light from all around, beside its prefilter
 surface_measured    the measurement of a screen that is known
 surface_orders      where orders stand
 surface_mitsuba     the same disc by Mitsuba

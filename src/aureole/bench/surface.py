@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from aureole import refuse
 from aureole.bench import timing
-from aureole.bench.surface_around import around
+from aureole.bench.surface_environment import environment
 from aureole.bench.surface_frames import frames
 from aureole.bench.surface_measured import measured
 from aureole.bench.surface_mitsuba import in_mitsuba
@@ -20,11 +20,8 @@ from aureole.records import Stage
 CHOICES = ("table", "frame", "environment", "measurement", "orders", "mitsuba")
 # Samples of a table and of a photograph on each side, as in section 4.3 of the paper.
 TABLE, PHOTO, WAVELENGTHS = 2048, 1000, 81
-QUICK_TABLE, QUICK_PHOTO = 256, 300
+QUICK_TABLE, QUICK_PHOTO = 512, 300
 FRAME, QUICK_FRAME = (540, 960), (135, 240)
-# Samples of the plane of direction cosines, and rows of the room.
-PLANES, QUICK_PLANES = (255, 511, 1023), (255,)
-ROOM, QUICK_ROOM = 64, 16
 
 
 @dataclass(frozen=True)
@@ -74,8 +71,8 @@ def run_surface(bench: SurfaceBench) -> Iterator[Stage]:
     parts: dict[str, timing.Part] = {
         "table": lambda: tables(size, photo, WAVELENGTHS, runs),
         "frame": lambda: frames(shape, size, runs),
-        "environment": lambda: around(QUICK_PLANES if quick else PLANES, QUICK_ROOM if quick else ROOM, size),
-        "measurement": lambda: measured(photo),
+        "environment": lambda: environment(quick),
+        "measurement": lambda: measured(photo, size),
         "orders": lambda: orders(size),
         "mitsuba": lambda: in_mitsuba(shape, 4 if quick else 64, runs),
     }
