@@ -142,16 +142,9 @@ def _turn(pose, frames, b, row):  # type: ignore[no-untyped-def]
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def _look(pose, rays, hits, frames, b):  # type: ignore[no-untyped-def]
-    """Fill a block's places and directions to the eye in the world, and turn its normals to the eye."""
+    """Move a block's places to the world, fill the directions to the eye and turn the normals to it."""
     p0, p1, p2, d0, d1, d2 = pose[3, 0], pose[3, 1], pose[3, 2], rays[1, 0], rays[1, 1], rays[1, 2]
     r0, r1, r2, u0, u1, u2 = rays[4, 0], rays[4, 1], rays[4, 2], rays[5, 0], rays[5, 1], rays[5, 2]
-    for j in range(LANES):
-        frames[b, PX + j], frames[b, PY + j], frames[b, PZ + j] = (
-            hits[b, HX + j],
-            hits[b, HY + j],
-            hits[b, HZ + j],
-        )
-    _turn(pose, frames, b, PX)
     for j in range(LANES):
         x, y = hits[b, VIEW_X + j], hits[b, VIEW_Y + j]
         ox, oy, oz = -(d0 + x * r0 + y * u0), -(d1 + x * r1 + y * u1), -(d2 + x * r2 + y * u2)
@@ -174,6 +167,8 @@ def lay_frames(kind, numbers, pose, rays, hits, blocks, frames):  # type: ignore
             _lay_round(numbers, hits, frames, b)
         else:
             _lay_flat(kind, numbers, hits, frames, b)
-        _turn(pose, frames, b, NX)
-        _turn(pose, frames, b, TX)
+        for j in range(3 * LANES):
+            frames[b, PX + j] = hits[b, HX + j]
+        for row in range(PX, SIGN, 3 * LANES):
+            _turn(pose, frames, b, row)
         _look(pose, rays, hits, frames, b)

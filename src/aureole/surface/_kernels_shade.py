@@ -74,12 +74,14 @@ def _directions(frames, b, lamps, k, w):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _places(w, source, sign, half_range, power, size, target):  # type: ignore[no-untyped-def]
-    """Fill a block's places among a table's samples along an axis, whose ends are sign · h = ±half_range.
+def _places(w, row, half_range, power, size):  # type: ignore[no-untyped-def]
+    """Fill a block's places among a table's samples: its columns where row is 0, else its rows.
 
     The odd root of |h| / half_range starts from the exponent's bits divided and takes Newton's steps.
     """
-    bits = w.view(np.int32)
+    bits, source, target = w.view(np.int32), HT + row, COLUMN + row
+    # Columns run along the tangent, rows against the bitangent.
+    sign = ONE if row == 0 else -ONE
     scale, inverse = ONE / half_range, ONE / np.float32(power)
     bias, middle = np.float32(_BITS) - np.float32(_BITS) * inverse, HALF * np.float32(size - 1)
     for j in range(LANES):
@@ -156,25 +158,19 @@ def shade(frames, where, share, lamps, tables, warp, regions, mask, numbers, fre
         first = int(lamps[k, 10])
         for b in range((where.size + LANES - 1) // LANES):
             _directions(frames, b, lamps, k, w)
-            _places(w, HT, ONE, numbers[12], warp, tables.shape[2], COLUMN)
-            _places(w, HB, -ONE, numbers[12], warp, tables.shape[1], ROW)
+            for axis in range(2):
+                _places(w, axis * LANES, numbers[12], warp, tables.shape[2 - axis])
             _weights(w, numbers)
             for j in range(min(LANES, where.size - b * LANES)):
                 if w[LIGHT + j] <= ZERO:
                     continue
-                light, lobe, gain, s = (
-                    share * w[LIGHT + j],
-                    share * w[LOBE + j],
-                    share * w[GAIN + j],
-                    np.uintp(first),
-                )
+                light, lobe, gain = share * w[LIGHT + j], share * w[LOBE + j], share * w[GAIN + j]
+                s = np.uintp(first)
                 if maps:
                     gain *= _pixel(mask, frames[b, RIGHT + j], frames[b, UP + j])
                     s += np.uintp(_pixel(regions, frames[b, RIGHT + j], frames[b, UP + j]))
-                r, c = (
-                    np.uintp(min(int(w[ROW + j]), last_row)),
-                    np.uintp(min(int(w[COLUMN + j]), last_column)),
-                )
+                r = np.uintp(min(int(w[ROW + j]), last_row))
+                c = np.uintp(min(int(w[COLUMN + j]), last_column))
                 y, x = w[ROW + j] - np.float32(r), w[COLUMN + j] - np.float32(c)
                 step = w[HALF_COSINE + j] * np.float32(last_cosine + 1)
                 cell = np.uintp(min(int(step), last_cosine))

@@ -192,11 +192,11 @@ def _drawer(
 
     def by_chunks(first: int, last: int, share: float, pixels: NDArray[np.float32]) -> None:
         def work(begin: int, end: int) -> None:
-            step = max(1, _CHUNK // (view.shape[1] * samples**2))
-            for row in range(first + begin, first + end, step):
-                until = min(first + end, row + step)
-                blocks, places = caster(row * samples, until * samples, samples)
-                add_light(prepared, blocks, places, share / samples**2, lamps, pixels[row:until])
+            step = samples * max(1, _CHUNK // (view.shape[1] * samples**2))
+            rows = (first + begin) * samples, (first + end) * samples
+            for row, until, blocks, places in caster(*rows, step, samples):
+                part = pixels[row // samples : until // samples]
+                add_light(prepared, blocks, places, share / samples**2, lamps, part)
 
         in_bands(work, last - first)
 

@@ -60,10 +60,11 @@ class Shadow:
         x, y = (away @ axis / (axis @ axis) / scale for axis in (view.right, view.up))
         column, row = (0.5 * (1 + x) * size).astype(np.int64), (0.5 * (1 - y) * size).astype(np.int64)
         nearest = self._depth[np.clip(row, 0, size - 1), np.clip(column, 0, size - 1)]
-        # A sample's own width along the surface changes its depth by the surface's slope.
+        # Half a sample aside, the surface's slope changes its depth.
         light = away / np.linalg.norm(away, axis=1, keepdims=True) if view.perspective else view.forward
         cosine = np.abs(np.sum(light * frames[:, 4:7], axis=1))
-        slack = 2.0 * self._step * np.minimum(20.0, 1.0 / np.maximum(cosine, 1e-3))
+        steep = np.sqrt(np.maximum(0.0, 1.0 - cosine**2)) / np.maximum(cosine, 1e-3)
+        slack = self._step * np.minimum(20.0, 0.1 + steep)
         return np.asarray(depth <= nearest + slack)
 
 

@@ -3,6 +3,7 @@
 Each shape lies in coordinates of its own; `Pose` puts it into the world.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -243,12 +244,15 @@ def see(
     caster = Caster(shape, where, view, count)
 
     def fill(begin: int, end: int) -> None:
-        for row in range(begin, end):
-            blocks, places = caster(first + row, first + row + 1, 1)
-            frames[row, places] = unblocked(blocks, len(places))
+        for row, until, blocks, places in caster(first + begin, first + end, 8, 1):
+            flat = frames[row - first : until - first].reshape(-1, _kernels_cast.WIDTH)
+            flat[places] = unblocked(blocks, len(places))
 
     in_bands(fill, last - first)
     return Seen(frames)
+
+
+Cast = tuple[int, int, NDArray[np.float32], NDArray[np.int64]]
 
 
 class Caster:
@@ -271,34 +275,39 @@ class Caster:
         self._kind, *numbers = shape_numbers(shape, pose, view)
         self._fine, self._plain = tuple(numbers), tuple(part.astype(np.float32) for part in numbers)
 
-    def __call__(self, first: int, last: int, side: int) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-        """Cast rows of samples.
+    def __call__(self, first: int, last: int, step: int, side: int) -> Iterator[Cast]:
+        """Cast rows of samples, a few at a time.
 
         Parameters
         ----------
         first, last : int
             The first row, and the one after the last.
+        step : int
+            Rows at a time.
         side : int
-            Samples along a pixel's side.
+            Samples along a pixel's side; a divisor of `step`.
 
-        Returns
-        -------
+        Yields
+        ------
+        first, last : int
+            The rows.
         blocks : ndarray of float32, shape (B, 17 · 64)
-            Frames as the shader takes them.
+            Frames as the shader takes them; written anew for the next rows.
         pixels : ndarray of int64, shape (N,)
-            Which pixel each of the N frames is in, counted from the first row.
+            Which pixel each of the N frames is in, counted from the first of these rows.
         """
-        most = -(-(last - first) * self._size[1] // _kernels_cast.LANES)
+        most = -(-step * self._size[1] // _kernels_cast.LANES)
         hits = np.zeros((most, _kernels_cast.HIT_WIDTH * _kernels_cast.LANES), dtype=np.float32)
+        blocks = np.empty((most, _kernels_cast.WIDTH * _kernels_cast.LANES), dtype=np.float32)
         pixels = np.empty(most * _kernels_cast.LANES, dtype=np.int64)
-        given: tuple[Any, ...] = (*self._fine, (*self._size, first, last, side), hits, pixels)
-        count = _kernels_cast.cast(self._kind, *given)
-        blocks = np.empty(
-            (-(-count // _kernels_cast.LANES), _kernels_cast.WIDTH * _kernels_cast.LANES), np.float32
-        )
-        given = (*self._plain, hits, len(blocks), blocks)
-        _kernels_cast.lay_frames(self._kind, *given)
-        return blocks, pixels[:count]
+        for row in range(first, last, step):
+            until = min(last, row + step)
+            given: tuple[Any, ...] = (*self._fine, (*self._size, row, until, side), hits, pixels)
+            count = _kernels_cast.cast(self._kind, *given)
+            filled = blocks[: -(-count // _kernels_cast.LANES)]
+            given = (*self._plain, hits, len(filled), filled)
+            _kernels_cast.lay_frames(self._kind, *given)
+            yield row, until, filled, pixels[:count]
 
 
 def blocked(frames: NDArray[np.float32]) -> NDArray[np.float32]:
