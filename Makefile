@@ -14,6 +14,7 @@ figures: $(VENV)/.installed stale
 	@AUREOLE=$(BIN)/aureole PYTHON=$(BIN)/python sh docs/near_figures.sh
 	@AUREOLE=$(BIN)/aureole PYTHON=$(BIN)/python sh docs/flare_figures.sh
 	@PYTHON=$(BIN)/python sh docs/eye_figures.sh
+	@PYTHON=$(BIN)/python sh docs/surface_figures.sh
 
 test: $(VENV)/.tests-installed check stale
 	$(BIN)/python -m pytest

@@ -8,6 +8,8 @@ cylinder: a sheet of holographic paper, flat and bent (Fig. 17).
 blazed: 600 lines per millimetre as slits and as blazed facets (Fig. 19).
 mask: a radial pattern on a whole sheet, the mask, and the pattern on its stripes (Fig. 20).
 disc: a compact disc beside the lamp (Fig. 21).
+focus: a screen's edge sharp, and its pattern sharp (section 7).
+regions: a sheet of four patterns, and one whose lines turn from place to place (Fig. 25).
 """
 
 import sys
@@ -110,6 +112,39 @@ def mask() -> Pixels:
     return sheet([[shown(whole, 1.0), plain, shown(striped, 1.0)]])
 
 
+def focus() -> Pixels:
+    """Return a screen through a lens that is focused on it, and on the lamp's mirror image behind it."""
+    table = surface.table_from_grating("lcd-342ppi", size=1024, half_range=0.6)
+    view = facing((300, 420), 0.05, 0.35)
+    # A pen's strokes on the glass show where the screen is sharp.
+    strokes = np.ones((98, 56), np.float32)
+    strokes[::7] = 0.0
+    pictures = []
+    for depth in (0.35, 0.70):
+        lens = surface.ThinLens(0.008, depth, 48)
+        found = drawn(table, SCREEN, view, lamp((0.0, 0.0, 0.35)), DIM, 1, mask=strokes, lens=lens)
+        pictures.append(shown(found, -2.0))
+    return sheet([pictures])
+
+
+def regions() -> Pixels:
+    """Return a sheet whose parts have four patterns, and a sheet whose lines turn with the place."""
+    makers = [
+        holographic(),
+        surface.radial_grating(surface.Lines(2.4e-6, 0.8e-6, 6), 0.03),
+        surface.multislit_grating(1.6e-6, 0.5e-6, 12, 0.06),
+        surface.grating("blazed-600"),
+    ]
+    tables = [surface.table_from_grating(each, size=512, zero_order="remove") for each in makers]
+    view, lit = facing((400, 420), 0.124, 0.22), lamp((0.0, 0.03, 0.22), 1.0, 0.003)
+    parts = np.add.outer(2 * (np.arange(6) % 2), np.arange(6) % 2).astype(np.int32)
+    patches = drawn(tables, SHEET, view, lit, DIM, regions=parts)
+    x = np.linspace(-1, 1, 256)
+    angles = 2 * np.pi * (np.hypot(x, x[:, None]) % 0.25) / 0.25 + np.arctan2(-x[:, None], x)
+    waves = drawn(tables[2], SHEET, view, lit, DIM, angles=angles)
+    return sheet([[shown(patches, 1.5), shown(waves, 0.0)]])
+
+
 NAMES = {
     "discs": discs,
     "disc": disc,
@@ -117,6 +152,8 @@ NAMES = {
     "cylinder": cylinder,
     "blazed": blazed,
     "mask": mask,
+    "focus": focus,
+    "regions": regions,
 }
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from aureole.picture.transfer import decode_srgb
 Pixels = NDArray[np.float32]
 # A phone's screen and a sheet of paper, metres.
 SCREEN, SHEET = surface.Plane(0.056, 0.098), surface.Plane(0.12, 0.12)
-ROOM_ROWS = 256
+ROOM_ROWS = 768
 COMPACT_DISC = surface.Disc(0.12, 0.044)
 
 
@@ -109,12 +109,12 @@ def hall(rows: int = ROOM_ROWS, seed: int = 7) -> "surface.Environment":
         nonlocal radiance
         radiance = radiance + share * cover[..., None] * np.asarray(colour)
 
-    add((0.12, 0.34, 1.0), 0.085, (9.0, 10.0, 12.0))
+    add((0.17, 0.36, 1.0), 0.07, (9.0, 10.0, 12.0))
     generator = np.random.default_rng(seed)
     for side in (-1.0, 1.0):
         for step in range(7):
             place = (side * (0.55 + 0.03 * step), 0.42 + 0.05 * step, 1.6 - 0.42 * step)
             add(place, np.radians(0.5), 2500.0 * np.array([1.0, 0.74, 0.45]) * generator.uniform(0.7, 1.3))
-    for place in ((-0.3, 0.12, 1.0), (0.35, 0.1, 1.0), (0.0, 0.75, 1.0)):
+    for place in ((-0.07, 0.44, 1.0), (0.03, 0.22, 1.0), (0.0, 0.8, 1.0)):
         add(place, np.radians(0.6), (2600.0, 2900.0, 3200.0))
     return surface.Environment(radiance.astype(np.float32), "rec709", "hall")

@@ -85,6 +85,7 @@ def test_pictures_are_small_and_each_is_shown():
         ("near-field", "near_figures"),
         ("flare", "flare_figures"),
         ("eye", "eye_figures"),
+        ("surface", "surface_figures"),
     ],
 )
 def test_each_picture_of_a_page_is_made_by_its_script(page, script):
