@@ -4,11 +4,12 @@
 
 Noise, seed 1, is the photograph, over |h| <= 1 at 650 nm; the light is of equal energy, the warp 5. All
 ways alternate: "cell" is what `table_from_pattern` does, means over the table's cells; "point" looks the
-pattern up at the table's samples, as the surface paper's Eq. 15 does. The direct sums are those a script would do: one
-wavelength after the other, bilinear look-ups of all samples by SciPy's `map_coordinates` in float32, and the
-same in NumPy in float64, on every 16th row, its time times 16. Times are by the clock, and of all processors
-together, which holds on a busy machine, too. Errors are largest differences from the float64 sums, of their
-largest value. Then what light the table of a comb of orders holds, by both ways, beside what it should.
+pattern up at the table's samples, as the surface paper's Eq. 15 does. The direct sums are those a script
+would do: one wavelength after the other, bilinear look-ups of all samples by SciPy's `map_coordinates` in
+float32, and the same in NumPy in float64, on every 16th row, its time times 16. Times are by the clock, and
+of all processors together, which holds on a busy machine, too; ratios are of these. Errors are largest
+differences from the float64 sums, of their largest value. Then what light the table of a comb of orders
+holds, by both ways, beside what it should.
 """
 
 import argparse
@@ -79,7 +80,7 @@ def compare(size, photo, wavelengths, runs):
     middle = {
         name: [statistics.median(each) for each in zip(*spans, strict=True)] for name, spans in taken.items()
     }
-    print(f"\n{'':24}{'median':>12}{'processors':>12}{'cell /':>10}{'error':>10}{'memory':>10}")
+    print(f"\n{'':24}{'median':>12}{'processors':>12}{'of cell':>10}{'error':>10}{'memory':>10}")
     for name, (clock, busy) in middle.items():
         said = f"{name:24}{clock:9.0f} ms{busy:9.0f} ms{busy / middle['cell'][1]:9.1f}x"
         if name in truths:

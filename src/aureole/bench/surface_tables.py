@@ -18,7 +18,8 @@ from aureole.surface.integrate import table_rows
 SEED, HALF_RANGE, WAVELENGTH, WARP = 1, 1.0, 650e-9, 5
 PRINTED = "a few seconds"
 ROWS = 16  # of the table, of which the slow sums take one
-# A process of its own, so that nothing else of the bench is counted; on Linux in kilobytes.
+# A process of its own, so that nothing else of the bench is counted. Linux hands the most that a process ever
+# had on to those that it starts, but not what /proc says of each; kilobytes.
 MEMORY = """
 import resource, sys
 import numpy as np
@@ -27,7 +28,11 @@ size, photo, wavelengths = map(int, sys.argv[1:4])
 noise = np.random.default_rng(1).random((photo, photo), dtype=np.float32)
 pattern = surface.diffraction_pattern(noise, 1.0, 650e-9)
 surface.table_from_pattern(pattern, "E", size, wavelengths=wavelengths, sample=sys.argv[4])
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+try:
+    with open("/proc/self/status") as lines:
+        print(next(line.split()[1] for line in lines if line.startswith("VmHWM")))
+except OSError:
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
 COLUMNS = (
     Column("sum", "{way}", words=True),
