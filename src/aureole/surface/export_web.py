@@ -250,7 +250,8 @@ def write_glsl(path: str | os.PathLike[str], table: ScatterTable | None = None) 
     refuse.Refusal
         Where the suffix is another or a file cannot be written.
     """
-    place, text = _suffixed(path, ".glsl"), _asset("diffraction.glsl")
+    place = _suffixed(path, ".glsl")
+    text = _asset("diffraction.glsl") + "\n" + _asset("engines.glsl")
     if table is not None:
         beside = write_table(place.with_suffix(".exr"), table, "rec709")[0]
         rows, columns = table.values.shape[:2]

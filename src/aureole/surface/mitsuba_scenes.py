@@ -27,6 +27,7 @@ from aureole.surface.shapes import Cylinder, Disc, Mesh, Plane, Pose, Shape
 from aureole.surface.table import ScatterTable
 from aureole.surface.views import View
 
+_ENVIRONMENT_ROWS = 1024  # of a finer picture, where an environment has fewer
 _CIE_Y = 106.7502593994  # Mitsuba's films divide by the integral of its ȳ, in nm
 # Elements of a scene's file, by the plugin they hold.
 _ELEMENTS = {
@@ -237,9 +238,20 @@ def _environment(mitsuba: Any, environment: Environment, spectral: bool) -> dict
         raise refuse.Refusal(f"'environment' must be in rec709 for Mitsuba, got {environment.colour_space}.")
     return {
         "type": "envmap",
-        "bitmap": mitsuba.Bitmap(np.ascontiguousarray(environment.radiance, dtype=np.float32)),
+        "bitmap": mitsuba.Bitmap(_patches(environment.radiance)),
         "to_world": np.diag([-1.0, 1.0, -1.0, 1.0]),
     }
+
+
+def _patches(radiance: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Lay even patches out for Mitsuba, which blends samples and has the poles in its outer rows."""
+    rows = len(radiance)
+    times = max(1, _ENVIRONMENT_ROWS // rows)
+    # A new sample on the border of two patches is their mean.
+    places = np.arange(times * rows + 1) / times
+    above, below = np.ceil(places).astype(int) - 1, np.floor(places).astype(int)
+    lines = 0.5 * (radiance[np.maximum(above, 0)] + radiance[np.minimum(below, rows - 1)])
+    return np.ascontiguousarray(np.repeat(lines, times, axis=1), dtype=np.float32)
 
 
 def _shape(shape: Plane | Disc | Cylinder, pose: Pose, surface: dict[str, Any]) -> dict[str, Any]:

@@ -4,7 +4,7 @@
 // find the table's colour. Row 0 of the table is the largest h along the bitangent, column 0 the smallest along
 // the tangent. Define AUREOLE_ROW_0_BELOW where the loader stores row 0 last (three.js' EXRLoader does).
 // Every direction is a unit vector away from the surface. The colours hold the light's own spectrum: multiply
-// them by a neutral radiance.
+// them by a neutral radiance. Load the table as float RGB, without mipmaps, without any change of colour.
 
 uniform highp sampler2D aureole_table;
 uniform float aureole_scale;       // what one unit of the texture stands for, 1/sr
