@@ -32,6 +32,18 @@ def test_near_the_centre_of_a_level_sample_h_is_the_place_over_the_distances():
     assert h_b == pytest.approx(-3e-6 * (1 / 0.5 + 1 / 0.25), rel=1e-6)
 
 
+def test_even_pixels_are_those_of_a_bench_seen_from_afar():
+    # Both ways round: a sample that is brighter on one side is drawn brighter on that side again.
+    far = surface.BenchGeometry(50.0, 80.0, 1e-4, rotation=0.3)
+    even = surface.UniformGeometry(1e-4 * (1 / 50.0 + 1 / 80.0), rotation=0.3)
+    rows, columns = np.mgrid[0.0:200.0:20.0, 0.0:240.0:20.0]
+    middle = ((SHAPE[0] - 1) / 2, (SHAPE[1] - 1) / 2)
+    for one, other in zip(
+        far.h_of(rows, columns, middle, SHAPE), even.h_of(rows, columns, middle, SHAPE), strict=True
+    ):
+        np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-12)
+
+
 def test_pixels_and_h_are_inverse():
     rows, columns = np.mgrid[0:200:40.0, 0:240:40.0]
     h_t, h_b, _ = BENCH.h_of(rows, columns, CENTRE, SHAPE)
@@ -74,7 +86,7 @@ def test_a_photograph_from_far_away_is_even_in_h_and_runs_against_it():
         (surface.BenchGeometry(-0.5, 1.0, 1e-5), "camera_distance"),
         (surface.BenchGeometry(0.5, 0.0, 1e-5), "lamp_distance"),
         (surface.BenchGeometry(0.5, 1.0, 0.0), "pixel_scale"),
-        (surface.BenchGeometry(0.5, 1.0, 1e-5, tilt=(1.5, 0.0)), "tilt"),
+        (surface.BenchGeometry(0.5, 1.0, 1e-5, tilt=(1.5, 0.0)), "80°"),
         (surface.BenchGeometry(0.05, 1.0, 1e-3, tilt=(1.3, 0.0)), "horizon"),
         (surface.UniformGeometry(0.0), "h_per_pixel"),
     ],

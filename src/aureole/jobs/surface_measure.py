@@ -120,7 +120,7 @@ def run_surface_measure(job: SurfaceMeasureJob) -> Iterator[Stage]:
     ):
         yield Stage(MEASURING + (0.95 - MEASURING) * stage.fraction, stage.label)
     facts = {"surface": job.name, **_facts(patterns)}
-    notes = tuple(note for pattern in patterns for note in surface.order_notes(pattern, job.period))
+    notes = tuple(note for pattern in patterns for note in pattern.metadata["notes"])
     yield from finished_table(stage.result, facts, job.normalise, notes)
 
 
@@ -149,7 +149,7 @@ def check_measure(job: SurfaceMeasureJob) -> None:
 
 def _pattern_stages(job: SurfaceMeasureJob, bracket: Bracket) -> Iterator[Stage]:
     """Measure the patterns of a bracket; the last stage holds a list of them."""
-    processing = dict(job.processing) | {"name": job.name}
+    processing = dict(job.processing) | {"name": job.name, "period": job.period}
     power = float(surface.MODELS[job.model])
     if job.response:
         planes = [photo if np.ndim(photo) == 2 else np.asarray(photo)[..., 1] for photo in bracket.photos]
@@ -180,8 +180,8 @@ def _facts(patterns: Sequence[surface.DiffractionPattern]) -> dict[str, Any]:
         "h_measured_to": max(pattern.half_range for pattern in patterns),
         "saturated_share": max(float(pattern.metadata["saturated_share"]) for pattern in patterns),
     }
-    for name, row in zip(("along_t", "along_b"), surface.period_of(patterns[0]), strict=True):
-        if row is not None:
-            told[f"period_{name}_m"] = row.period
-            told[f"orders_{name}"] = row.orders
+    for k, name in enumerate(("along_t", "along_b")):
+        if patterns[0].metadata["period"][k] is not None:
+            told[f"period_{name}_m"] = patterns[0].metadata["period"][k]
+            told[f"orders_{name}"] = patterns[0].metadata["orders"][k]
     return told

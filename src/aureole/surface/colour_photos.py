@@ -133,6 +133,7 @@ def measure_channels_stages(
     source, irradiance = as_spectrum(lamp), processing.pop("irradiance", 1.0)
     told = "assumed" if sensitivities is None else "given"
     found: dict[str, DiffractionPattern] = {}
+    method = ""
     # Green first: it is the sharpest, and tells where the zero order is.
     for done, k in enumerate((1, 0, 2)):
         band = band_of(source, curves[k])
@@ -148,9 +149,9 @@ def measure_channels_stages(
             if stage.result is None:
                 yield Stage((done + stage.fraction) / 3.0, f"{COLOURS[k]}: {stage.label}")
         pattern: DiffractionPattern = stage.result
-        found[COLOURS[k]] = replace(pattern, metadata={**pattern.metadata, "sensitivities": told})
-        if not isinstance(processing.get("centre", "auto"), str):
-            continue
+        method = method or pattern.metadata["centre_method"]
+        said = {**pattern.metadata, "centre_method": method, "sensitivities": told}
+        found[COLOURS[k]] = replace(pattern, metadata=said)
         processing["centre"] = tuple(pattern.metadata["centre"])
     yield Stage(1.0, "patterns", tuple(found[name] for name in COLOURS))
 

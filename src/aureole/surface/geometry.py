@@ -25,7 +25,8 @@ _NEWTON_STEPS = 8
 class UniformGeometry:
     """A photograph of a sample whose pixels lie evenly in h, as one from far away does.
 
-    It runs against h: further right on a sample lamp and eye lie further left.
+    It runs against h: further right on a sample lamp and eye lie further left. A picture
+    that is laid out over h itself, h · t to the right and h · b up, has rotation = π.
 
     Parameters
     ----------
@@ -137,8 +138,12 @@ class BenchGeometry:
 
     def _frame(self) -> tuple[Numbers, Numbers, Numbers]:
         """Return the sample's tangent, bitangent and normal as the camera sees them: right, up, backward."""
-        for name, angle in zip(("tilt (up)", "tilt (right)"), self.tilt, strict=True):
-            refuse.between(name, angle, -STEEPEST, STEEPEST)
+        for name, angle in zip(("up", "right"), self.tilt, strict=True):
+            if abs(refuse.finite("tilt", angle)) > STEEPEST:
+                raise refuse.Refusal(
+                    f"'tilt' must lie within {math.degrees(STEEPEST):.0f}°, got"
+                    f" {math.degrees(angle):.4g}° ({name})."
+                )
         turn = refuse.finite("rotation", self.rotation)
         normal = _unit(np.array([math.tan(self.tilt[1]), math.tan(self.tilt[0]), 1.0]))
         level = _unit(np.array([1.0, 0.0, 0.0]) - normal[0] * normal)

@@ -123,7 +123,8 @@ def measure_pattern(
         M(h) = L(h) / (4 π² F_0² E(h)) by Eq. 14, zero where the photograph does not reach. Its metadata say
         where the zero order was found ("centre", "centre_method", "symmetry") and how large a share of the
         pixels all exposures clipped ("saturated_share"); the "period" along tangent and bitangent in metres,
-        None without orders; and under "notes" what the orders have against wavelength and geometry.
+        None without orders, and the number of "orders"; and under "notes" what the orders have against
+        wavelength and geometry.
 
     Raises
     ------
@@ -304,8 +305,10 @@ def _shape(photo: NDArray[np.float64]) -> tuple[int, int]:
 
 def _checked(pattern: DiffractionPattern, how: Processing, seen: NDArray[np.bool_]) -> DiffractionPattern:
     """Add to a pattern what its orders say."""
+    rows = period_of(pattern, seen)
     found = {
-        "period": [None if row is None else row.period for row in period_of(pattern, seen)],
+        "period": [None if row is None else row.period for row in rows],
+        "orders": [0 if row is None else row.orders for row in rows],
         "notes": list(order_notes(pattern, how.period, seen=seen)),
     }
     return replace(pattern, metadata={**pattern.metadata, **found})
