@@ -132,6 +132,16 @@ def test_what_all_exposures_clip_is_marked():
     assert np.argwhere(merged.saturated).tolist() == [[3, 4]]
 
 
+def test_a_clipped_bracket_asks_where_the_camera_clips():
+    scene = np.full((8, 8), 0.01)
+    scene[3, 2:6] = 0.5
+    camera = surface.VirtualCamera()
+    photos = surface.photograph(scene, [1.0, 16.0], camera)
+    with pytest.raises(refuse.Refusal, match="'photos' look clipped at 16383: say so by 'saturation'"):
+        surface.merge(photos, [1.0, 16.0], camera.black)
+    assert surface.merge(photos, [1.0, 1.5], camera.black).values.shape == (8, 8)
+
+
 def test_brackets_that_do_not_fit_are_refused():
     flat = np.ones((4, 4))
     with pytest.raises(refuse.Refusal, match="exposures"):

@@ -63,7 +63,7 @@ def merge(
         Counts without light: a number; a dark frame for each photograph; or "estimate", by `estimate_black`.
     saturation : float or None
         Counts at which the camera clips; None says that nothing is clipped, or with a response that its
-        largest value is.
+        largest value is. A bracket that looks clipped all the same is refused.
     read_noise : float
         Counts, standard deviation.
     gain : float
@@ -87,7 +87,9 @@ def merge(
     usable = np.ones(stack.shape, dtype=bool)
     if saturation is None and response is not None:
         saturation = float(response.values[-1])
-    if saturation is not None:
+    if saturation is None:
+        _refuse_clipped(stack, times)
+    else:
         usable = stack < TOP * refuse.positive("saturation", saturation)
     saturated = np.asarray(~usable.any(axis=0))
     # Where all are clipped the shortest exposure says most.
@@ -154,6 +156,19 @@ def _black_frames(black: float | Sequence[ArrayLike] | str, stack: Values, times
         for k, frame in enumerate(black)
     ]
     return np.stack(frames).astype(np.float64)
+
+
+def _refuse_clipped(stack: Values, times: Values) -> None:
+    """Refuse a bracket whose longer exposures stop at one count where the shortest says that they should not."""
+    top = float(stack.max())
+    shortest = stack[np.argmin(times)]
+    for photo, time in zip(stack, times / times.min(), strict=True):
+        # Half of what the shortest exposure expects leaves room for noise; two such pixels may be hot.
+        lost = (photo == top) & (photo > shortest) & (0.5 * time * (shortest - shortest.min()) > top)
+        if int(lost.sum()) > 2:
+            raise refuse.Refusal(
+                f"'photos' look clipped at {top:g}: say so by 'saturation', or what is bright comes out dim."
+            )
 
 
 def _checked(photos: Sequence[ArrayLike], exposures: Sequence[float]) -> tuple[Values, Values]:
