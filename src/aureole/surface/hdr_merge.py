@@ -159,7 +159,7 @@ def _black_frames(black: float | Sequence[ArrayLike] | str, stack: Values, times
 
 
 def _refuse_clipped(stack: Values, times: Values) -> None:
-    """Refuse a bracket whose longer exposures stop at one count where the shortest says that they should not."""
+    """Refuse a bracket whose longer exposures stop at one count where the shortest expects more."""
     top = float(stack.max())
     shortest = stack[np.argmin(times)]
     for photo, time in zip(stack, times / times.min(), strict=True):
