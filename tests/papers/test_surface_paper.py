@@ -14,6 +14,7 @@ import pytest
 from aureole import light, surface
 from aureole.light.differences import difference_2000, lab
 from aureole.refuse import Refusal
+from aureole.surface.integrate import table_rows
 from aureole.surface.table import axes, axis, energy
 
 # Section 4.3: the two filters, and the range of its sums.
@@ -73,6 +74,19 @@ def test_section_4_3_samples_at_odd_powers():
     assert near.sum() > 0.49 * 2048
     with pytest.raises(Refusal, match="odd"):
         surface.table_from_pattern(photograph(), size=9, warp=4)
+
+
+@pytest.mark.parametrize(("sample", "count"), [("cell", 5), ("point", 81)])
+def test_section_4_3_a_table_of_the_papers_size_is_the_direct_sum(sample, count):
+    """2048 × 2048 from 1000 × 1000, at rows from the border to the middle; means' slow sums are very slow."""
+    noise = np.random.default_rng(1).random((1000, 1000), dtype=np.float32)
+    pattern = surface.diffraction_pattern(noise, 1.0, RED)
+    rows = slice(5, 1040, 207)
+    wanted = table_rows(pattern, "E", 2048, rows, count, sample)
+    found = surface.table_from_pattern(pattern, "E", wavelengths=count, sample=sample).values
+    assert found.shape == (2048, 2048, 3)
+    assert np.abs(found[rows] - wanted).max() <= 1e-6 * wanted.max()
+    assert wanted[-1].max() > 0.5 * wanted.max()
 
 
 def test_section_4_3_the_papers_range_holds_the_same_values():

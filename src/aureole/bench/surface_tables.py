@@ -83,7 +83,10 @@ def tables(size: int, photo: int, wavelengths: int, runs: int) -> Iterator[Stage
         The last one holds the table.
     """
     rows: list[dict[str, Any]] = []
-    yield from _tables(size, photo, wavelengths, runs, rows)
+    yield from compared(size, photo, wavelengths, runs, rows)
+    for row in rows:
+        yield Stage(0.99, f"memory, {row['way']}")
+        row["memory_mb"] = memory(size, photo, wavelengths, row["way"])
     title = f"A table of {size}² from a photograph of {photo}², {wavelengths} wavelengths, warp {WARP}"
     notes = (
         f"Noise as a photograph, seed {SEED}. cell: means over the table's cells; point: values at its "
@@ -95,9 +98,23 @@ def tables(size: int, photo: int, wavelengths: int, runs: int) -> Iterator[Stage
     yield Stage(1.0, "table", (Table("table", title, COLUMNS, tuple(rows), notes),))
 
 
-def _tables(
+def compared(
     size: int, photo: int, wavelengths: int, runs: int, rows: list[dict[str, Any]]
 ) -> Generator[Stage, None, None]:
+    """Time tables and find their errors.
+
+    Parameters
+    ----------
+    size, photo, wavelengths, runs : int
+        As for `tables`.
+    rows : list of dict
+        To which a row is added for each way.
+
+    Yields
+    ------
+    Stage
+        Before each step.
+    """
     source = pattern(photo)
     make = partial(surface.table_from_pattern, source, "E", size, wavelengths=wavelengths)
     tasks = {sample: partial(make, sample=sample) for sample in ("cell", "point")}
@@ -115,7 +132,6 @@ def _tables(
             "median_ms": spent,
             "busy_ms": busy,
             "error": float(np.abs(found - truth).max() / truth.max()),
-            "memory_mb": memory(size, photo, wavelengths, sample),
         }
         if sample == "point":
             row |= {"direct_ms": direct, "ratio": direct / spent}

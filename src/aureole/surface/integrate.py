@@ -160,7 +160,7 @@ def table_from_pattern_stages(
     for start in range(0, rows, _ROWS):
         yield Stage(start / rows, "adding wavelengths")
         add(down[..., start : start + _ROWS], values[start : start + _ROWS])
-    notes = {"patterns": [_described(band[0]) for band in bands], **(metadata or {})}
+    notes = {"patterns": [_described(band[0]) for band in bands], "sample": sample, **(metadata or {})}
     white = light.white(source)
     yield Stage(
         1.0,
