@@ -163,3 +163,36 @@ def test_a_height_field_of_facets_is_the_blazed_grating():
     rise = (np.arange(count) + 0.5) / count * lines.depth
     powers = order_powers(surface.height_field(np.tile(rise, (3, 1)), lines.period / count), GREEN)
     np.testing.assert_allclose(powers[0, :4], lines.efficiency(np.arange(4), GREEN), atol=1e-3)
+
+
+RINGS = surface.radial_grating(surface.Lines(1.6e-6, 0.5e-6, 21))
+
+
+def test_a_mixture_of_directions_is_the_mean_over_them():
+    """Within the zero order to a thousandth of its peak; the light of each ring to 1 %."""
+    radius = np.linspace(1e-3, 0.45, 450)
+    angles = np.pi * (np.arange(3000) + 0.5) / 3000
+    t, b = radius[:, None] * np.cos(angles), radius[:, None] * np.sin(angles)
+    spread = np.exp(-0.5 * (b / 0.02) ** 2) / (math.sqrt(2 * math.pi) * 0.02)
+    mixed = (RINGS.along.density(t, GREEN) * spread).mean(axis=1) / (4 * np.pi**2)
+    found = RINGS.pattern(radius, 0.0, GREEN)
+    np.testing.assert_allclose(found[:160], mixed[:160], atol=1e-3 * mixed.max())
+    for part in (radius < 0.17, radius > 0.17):
+        assert (found * radius)[part].sum() == pytest.approx((mixed * radius)[part].sum(), rel=0.01)
+
+
+@pytest.mark.parametrize("zero_order", ["keep", "remove"])
+def test_rings_hold_the_light_of_their_lines(zero_order):
+    """All of it, the zero order too, which is a cloud about h = 0."""
+    lines = surface.multislit_grating(1.6e-6, 0.5e-6)
+    found, wanted = (
+        energy(surface.table_from_grating(one, size=301, wavelengths=21, zero_order=zero_order))
+        for one in (RINGS, lines)
+    )
+    np.testing.assert_allclose(found, wanted, rtol=0.015)
+
+
+def test_a_table_of_rings_is_that_of_the_formula():
+    one = surface.table_from_grating(RINGS, size=(65, 63), wavelengths=9)
+    other = surface.table_from_function(RINGS, size=(65, 63), wavelengths=9)
+    np.testing.assert_allclose(one.values, other.values, atol=2e-3 * one.values.max())

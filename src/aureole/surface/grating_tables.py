@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from aureole import light, refuse
 from aureole.records import Spectrum, Stage
-from aureole.surface.gratings import Grating, checked, grating, ring_cells
+from aureole.surface.gratings import Grating, checked, cloud_radii, grating, ring_cells
 from aureole.surface.integrate import as_spectrum, checked_size
 from aureole.surface.table import (
     HALF_RANGE,
@@ -209,14 +209,17 @@ def _rings(
     reach = math.hypot(np.abs(t).max(), np.abs(b).max())
     distances = reach * np.linspace(0.0, 1.0, DISTANCES + 1) ** 3
     profile = np.zeros((DISTANCES, 3))
+    places = cloud_radii(lines, float(quadrature[0].max()))
+    cloud = np.zeros((places.size, 3))
     for wavelength, weight in zip(*quadrature, strict=True):
         ends = (distances[:-1], distances[1:])
-        mean = lines.along.mean(*ends, float(wavelength), cosines, zero_order)
+        mean = lines.along.mean(*ends, float(wavelength), cosines, False)
         if lines.along.profile == "blazed":
             # Only facets send different light to both sides.
-            other = lines.along.mean(-ends[1], -ends[0], float(wavelength), cosines, zero_order)
-            mean = 0.5 * (mean + other)
+            mean = 0.5 * (mean + lines.along.mean(-ends[1], -ends[0], float(wavelength), cosines, False))
         profile += mean[:, None] * weight
+        if zero_order:
+            cloud += lines.cloud(places, float(wavelength), cosines)[:, None] * weight
     running = np.concatenate([np.zeros((1, 3)), np.cumsum(profile * np.diff(distances)[:, None], axis=0)])
     radius, low, high = ring_cells(t, b)
     # Straight lines between so many distances err by less than 1e-6.
@@ -225,7 +228,8 @@ def _rings(
     for channel in range(3):
         light_in = np.interp(high, distances, running[:, channel])
         light_in -= np.interp(low, distances, running[:, channel])
-        values[..., channel] = light_in / (high - low) * ring
+        near = np.interp(radius, places, cloud[:, channel], right=0.0) / (4.0 * np.pi**2)
+        values[..., channel] = light_in / (high - low) * ring + near
     return values
 
 

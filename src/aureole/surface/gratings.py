@@ -21,6 +21,7 @@ from aureole.surface.slits import Lines, checked_lines
 DEFAULT_SPREAD = 0.02
 INCH = 0.0254
 SUB_PIXELS = 3
+CLOUD_RADII = 97
 
 Array = NDArray[np.float64]
 
@@ -71,7 +72,8 @@ class Grating:
             radius = np.hypot(t, b)
             both = self.along.density(radius, wavelength, cosines)
             both = 0.5 * (both + self.along.density(-radius, wavelength, cosines))
-            return both * self.ring(radius) / (4.0 * np.pi**2)
+            both *= radius > 0.5 * wavelength / self.along.period
+            return (both * self.ring(radius) + self._cloud(radius, wavelength, cosines)) / (4.0 * np.pi**2)
         one = self.along.density(t, wavelength, cosines)
         if self.across is None:
             other = np.exp(-0.5 * (b / self.spread) ** 2) / (math.sqrt(2.0 * math.pi) * self.spread)
@@ -180,12 +182,67 @@ class Grating:
             ive(0, (radius / (2.0 * self.spread)) ** 2) / (math.sqrt(2.0 * math.pi) * self.spread)
         )
 
+    def cloud(self, radius: Array, wavelength: float, cosines: float = 2.0) -> Array:
+        """Return the zero order of a mixture of all directions, which is no ring but a cloud about h = 0.
+
+        Parameters
+        ----------
+        radius : ndarray of float64, shape (R,)
+            Length of h along the surface.
+        wavelength : float
+            Metres.
+        cosines : float
+            cos θ_i + cos θ_o.
+
+        Returns
+        -------
+        ndarray of float64, shape (R,)
+            The mean over directions of the zero order across the lines times the normal density along them.
+        """
+        half = 0.5 * wavelength / self.along.period
+        finest = min(self.spread, half / self.along.count)
+        # Facets only send different light to both sides; a quarter of a turn serves all others.
+        turn = np.pi if self.along.profile == "blazed" else 0.5 * np.pi
+        count = int(np.clip(4.0 * turn * float(radius.max()) / finest, 64, 4096))
+        angles = turn * (np.arange(count) + 0.5) / count
+        across, along = np.cos(angles) * radius[:, None], np.sin(angles) * radius[:, None]
+        density = np.where(np.abs(across) <= half, self.along.density(across, wavelength, cosines), 0.0)
+        spread = np.exp(-0.5 * (along / self.spread) ** 2) / (math.sqrt(2.0 * math.pi) * self.spread)
+        return np.asarray((density * spread).mean(axis=1))
+
+    def _cloud(self, radius: Array, wavelength: float, cosines: float) -> Array:
+        """Look the cloud up, where there are many places."""
+        places = cloud_radii(self, wavelength)
+        values = self.cloud(places, wavelength, cosines)
+        return np.asarray(np.interp(radius, places, values, right=0.0))
+
     def _ring_mean(self, t: Array, b: Array, wavelength: float, cosines: float, zero_order: bool) -> Array:
         """Average over the range of distances that a cell spans."""
         radius, low, high = ring_cells(t, b)
-        both = self.along.mean(low, high, wavelength, cosines, zero_order)
-        both = 0.5 * (both + self.along.mean(-high, -low, wavelength, cosines, zero_order))
-        return both * self.ring(radius) / (4.0 * np.pi**2)
+        both = self.along.mean(low, high, wavelength, cosines, False)
+        both = 0.5 * (both + self.along.mean(-high, -low, wavelength, cosines, False))
+        total = both * self.ring(radius)
+        if zero_order:
+            total += self._cloud(radius, wavelength, cosines)
+        return total / (4.0 * np.pi**2)
+
+
+def cloud_radii(lines: Grating, longest: float) -> Array:
+    """Return radii that a cloud is sampled at: to half an order, close together near h = 0.
+
+    Parameters
+    ----------
+    lines : Grating
+        A radial one.
+    longest : float
+        Wavelength, metres.
+
+    Returns
+    -------
+    ndarray of float64, shape (R,)
+        From 0, rising.
+    """
+    return np.asarray(0.5 * longest / lines.along.period * np.linspace(0.0, 1.0, CLOUD_RADII) ** 2)
 
 
 def ring_cells(t_cells: Array, b_cells: Array) -> tuple[Array, Array, Array]:
@@ -359,7 +416,7 @@ def radial_grating(lines: Lines, spread: float = DEFAULT_SPREAD, name: str = "ra
     lines : Lines
         What repeats.
     spread : float
-        Standard deviation of h along the lines; rings well beyond it keep their energy.
+        Standard deviation of h along the lines; far below an order.
     name : str
         What to call it.
 
