@@ -201,7 +201,7 @@ def test_objects_lights_cameras_and_materials_change_the_picture(tmp_path, cd, c
             "--lamp-strength",
             "2",
         ],
-        "room": ["--environment", "room"],
+        "room": ["--environment", "room", "--environment-samples", "16"],
         "near": ["--camera", "0cm,0cm,15cm"],
         "flat": ["--view-height", "13cm"],
         "soft": ["--depth-of-field", "2cm", "--lens-samples", "5"],
@@ -213,7 +213,7 @@ def test_objects_lights_cameras_and_materials_change_the_picture(tmp_path, cd, c
     made = {}
     for name, more in kinds.items():
         told(
-            ["surface", "render", cd, "--size", "48x32", "--samples", "1", *more, "-o", out, "--json"], capsys
+            ["surface", "render", cd, "--size", "24x16", "--samples", "1", *more, "-o", out, "--json"], capsys
         )
         made[name] = picture.read(out).pixels
         assert made[name][..., :3].max() > 0, name

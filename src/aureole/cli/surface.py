@@ -112,9 +112,12 @@ def table(
 
         aureole surface table --height scratches.exr --pixel 50nm --height-unit 1nm -o scratches.exr
 
+        aureole surface table --bokeh spot.png --period 24.8um --depth 100nm --lens 85cm,250mm,5.6
+        -o screen.exr
+
         aureole surface table --height scratches.exr --pixel 50nm --method taylor --order 5 -o taylor.exr
     """
-    made = source.source()
+    made, facts, notes = source.source()
     if orders:
         _print_orders(made, incidence, wavelength, as_json)
         if out is None:
@@ -122,7 +125,7 @@ def table(
     if out is None:
         raise refuse.Refusal("'output' is missing: -o cd.exr writes a table; --orders needs none.")
     refuse.one_of("colour-space", colour_space, light.SPACES)
-    job = jobs.SurfaceTableJob(made, illuminant, **form.form(), **source.how())
+    job = jobs.SurfaceTableJob(made, illuminant, **form.form(), **source.how(), facts=facts, notes=notes)
     surface_runs.table(
         job, surface_runs.TableFiles(out, preview, preview_range, colour_space), as_json and not orders
     )
@@ -196,8 +199,9 @@ def render(
         around,
         mask=mask,
         colour_space=refuse.one_of("colour-space", colour_space, light.SPACES),
+        environment_samples=lights.environment_samples,
         **body.angles(),
-        **camera.lens(),
+        **camera.lens(around is not None),
     )
     files = surface_runs.PictureFiles(out, preview, exposure)
     if moves:

@@ -10,16 +10,17 @@ from aureole import jobs, refuse, surface, units
 from aureole.cli import options
 from aureole.cli.options import FILES
 
-SURFACE, HEIGHTS, TABLE = "Surface: one of these", "Surface: heights", "Table"
-LCD_EXAMPLE = "cd, dvd, bluray, lcd-342ppi, blazed-600"
-INCH_UNIT = "1um"
+SURFACE, HEIGHTS, BOKEH, TABLE = "Surface: one of these", "Surface: heights", "Surface: bokeh", "Table"
+Source = tuple[surface.Grating | surface.HeightField, dict[str, Any], tuple[str, ...]]
+SOME_PRESETS = "cd, dvd, bluray, lcd-342ppi, blazed-600"
+HEIGHT_UNIT = "1um"
 
 Name = Annotated[
     str,
     typer.Argument(
         metavar="TABLE",
         help=f"A table that `aureole surface table` or `measure` wrote, or a grating's preset "
-        f"({LCD_EXAMPLE}; "
+        f"({SOME_PRESETS}; "
         "all: `aureole surface list`), or a preset's TOML file.",
     ),
 ]
@@ -72,17 +73,19 @@ class SourceFlags:
 
     Parameters
     ----------
-    grating, slits, across, radial, lines_per_mm, blaze : optional
+    grating, slits, across, radial, blaze, display : optional
         Lines.
     height, pixel, height_unit, method, order : optional
         Heights.
+    bokeh, period, depth, rotate, lens_blur, lens, as_slits : optional
+        A photograph of lines.
     """
 
     grating: Annotated[
         str | None,
         typer.Option(
             "--grating",
-            help=f"A preset: {LCD_EXAMPLE}, or a TOML file like those; all: `aureole surface list`.",
+            help=f"A preset: {SOME_PRESETS}, or a TOML file like those; all: `aureole surface list`.",
             rich_help_panel=SURFACE,
         ),
     ] = None
@@ -142,7 +145,7 @@ class SourceFlags:
         str | None,
         typer.Option(
             "--height-unit",
-            help=f"What a value of 1 in that picture is: {INCH_UNIT} unless given.",
+            help=f"What a value of 1 in that picture is: {HEIGHT_UNIT} unless given.",
             rich_help_panel=HEIGHTS,
         ),
     ] = None
@@ -164,22 +167,78 @@ class SourceFlags:
         ),
     ] = None
 
-    def source(self) -> surface.Grating | surface.HeightField:
-        """Return the surface; refuse none, several, and flags that do not go with it."""
+    bokeh: Annotated[
+        Path | None,
+        typer.Option(
+            "--bokeh",
+            help="A photograph of a small lamp's out-of-focus spot on the surface, whose lines it shows: a "
+            "likeness, for structures that the lens can see. It needs --period or --pixel, and --depth.",
+            rich_help_panel=BOKEH,
+        ),
+    ] = None
+    period: Annotated[
+        str | None,
+        typer.Option("--period", help="Known distance of the lines in it: 24.8um.", rich_help_panel=BOKEH),
+    ] = None
+    depth: Annotated[
+        str | None,
+        typer.Option("--depth", help="Height from its dark to its bright: 100nm.", rich_help_panel=BOKEH),
+    ] = None
+    rotate: Annotated[
+        str | None,
+        typer.Option(
+            "--rotate",
+            help="Turn it counter-clockwise: 90deg; found from the lines unless given.",
+            rich_help_panel=BOKEH,
+        ),
+    ] = None
+    lens_blur: Annotated[
+        float | None,
+        typer.Option(
+            "--lens-blur",
+            help="Blur to undo, standard deviation in pixels: 1.5 unless given, 0 for none.",
+            rich_help_panel=BOKEH,
+        ),
+    ] = None
+    lens: Annotated[
+        str | None,
+        typer.Option(
+            "--lens",
+            help="Distance, focal length and f-number: 85cm,250mm,5.6. A note says where it cannot see "
+            "such lines.",
+            rich_help_panel=BOKEH,
+        ),
+    ] = None
+    as_slits: Annotated[
+        bool,
+        typer.Option(
+            "--as-slits",
+            help="Take the lines as slits: as wide, as far apart and as many as are lit.",
+            rich_help_panel=BOKEH,
+        ),
+    ] = False
+
+    def source(self) -> Source:
+        """Return the surface, plain numbers and notes; refuse none, several, and strays."""
         named = {
             "grating": self.grating,
             "slits": self.slits,
             "blazed": self.blaze,
             "display": self.display,
             "height": self.height,
+            "bokeh": self.bokeh,
         }
         given = [name for name, value in named.items() if value is not None]
         if len(given) != 1:
             said = ", ".join(f"'{name}'" for name in named)
             raise refuse.Refusal(f"give one of {said}; got {' and '.join(given) or 'none'}.")
         self._refuse_strays(given[0])
-        if self.height is not None:
-            return self._heights(self.height)
+        if self.bokeh is not None:
+            return self._bokeh(self.bokeh)
+        return (self._heights(self.height) if self.height is not None else self._lines()), {}, ()
+
+    def _lines(self) -> surface.Grating:
+        """Return a grating."""
         if self.grating is not None:
             return surface.grating(self.grating)
         if self.blaze is not None:
@@ -213,24 +272,46 @@ class SourceFlags:
         unit = (
             1.0
             if self.method == "amplitude"
-            else units.length(self.height_unit or INCH_UNIT, "height-unit", "1um")
+            else units.length(self.height_unit or HEIGHT_UNIT, "height-unit", "1um")
         )
         return jobs.heights_from_file(path, pixel, unit)
+
+    def _bokeh(self, path: Path) -> Source:
+        """Read a bokeh with what is known about it."""
+        if (self.period is None) == (self.pixel is None):
+            raise refuse.Refusal("'bokeh' needs one of 'period', such as 24.8um, and 'pixel', such as 0.5um.")
+        if self.depth is None and not self.as_slits:
+            raise refuse.Refusal("'bokeh' needs 'depth', such as 100nm, or 'as-slits'.")
+        known: dict[str, Any] = {"depth": _length(self.depth or "100nm", "depth", "100nm")}
+        for name, text in (("period", self.period), ("pixel", self.pixel)):
+            if text is not None:
+                known[name] = _length(text, name, "24.8um")
+        if self.rotate is not None:
+            known["angle"] = units.angle(self.rotate, "rotate")
+        if self.lens_blur is not None:
+            known["deviation"] = refuse.between("lens-blur", self.lens_blur, 0.0, 100.0)
+        if self.lens is not None:
+            known["lens"] = _lens(self.lens)
+        return jobs.surface_from_bokeh(path, self.as_slits, **known)
 
     def _refuse_strays(self, kind: str) -> None:
         """Refuse flags that belong to another kind of surface."""
         owners: dict[str, dict[str, Any]] = {
             "slits": {"across": self.across, "radial": self.radial or None},
-            "height": {
-                "pixel": self.pixel,
-                "height-unit": self.height_unit,
-                "method": self.method,
-                "order": self.order,
+            "height": {"height-unit": self.height_unit},
+            "height or bokeh": {"pixel": self.pixel, "method": self.method, "order": self.order},
+            "bokeh": {
+                "period": self.period,
+                "depth": self.depth,
+                "rotate": self.rotate,
+                "lens-blur": self.lens_blur,
+                "lens": self.lens,
+                "as-slits": self.as_slits or None,
             },
         }
         for owner, flags in owners.items():
             for name, value in flags.items():
-                if value is not None and owner != kind:
+                if value is not None and kind not in owner.split(" or "):
                     raise refuse.Refusal(f"'{name}' goes with '{owner}', not with '{kind}'.")
         if self.across is not None and self.radial:
             raise refuse.Refusal("'across' and 'radial' do not go together; give one of them.")
@@ -297,6 +378,23 @@ class TableFlags:
             "zero_order": refuse.one_of("zero-order", self.zero_order, surface.table.ZERO_ORDERS),
             "normalise": self.normalise,
         }
+
+
+def _length(text: str, name: str, example: str) -> float:
+    return refuse.positive(name, units.length(text, name, example))
+
+
+def _lens(text: str) -> tuple[float, float, float]:
+    """Read "85cm,250mm,5.6"."""
+    words = [word.strip() for word in text.split(",")]
+    try:
+        if len(words) != 3:
+            raise ValueError
+        number = float(words[2])
+    except ValueError:
+        raise refuse.Refusal(f"'lens' must be such as 85cm,250mm,5.6, got '{text}'.") from None
+    away, focal = (_length(word, "lens", "85cm") for word in words[:2])
+    return away, focal, refuse.positive("lens", number)
 
 
 def _lines(text: str, name: str) -> surface.Lines:

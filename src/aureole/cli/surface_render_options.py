@@ -212,8 +212,20 @@ class LightFlags:
         ),
     ] = None
 
+    environment_samples: Annotated[
+        int,
+        typer.Option(
+            "--environment-samples",
+            help="Parts that the table is cut into for it, on objects that are not flat: more are "
+            "smoother, and "
+            "slower.",
+            rich_help_panel=LIGHTS,
+        ),
+    ] = 256
+
     def around(self) -> surface.Environment | None:
         """Return the light from all around."""
+        refuse.at_least("environment-samples", self.environment_samples, 1)
         if self.environment is None:
             return None
         if self.environment == ROOM:
@@ -325,9 +337,13 @@ class CameraFlags:
         typer.Option("--lens-samples", help="Points of that opening.", rich_help_panel=CAMERA),
     ] = 64
     samples: Annotated[
-        int,
-        typer.Option("--samples", help="Samples a pixel along each axis.", rich_help_panel=CAMERA),
-    ] = 3
+        int | None,
+        typer.Option(
+            "--samples",
+            help="Samples a pixel along each axis: 3 unless given, 2 with an environment.",
+            rich_help_panel=CAMERA,
+        ),
+    ] = None
 
     def view(self, shape: tuple[int, int], body: Any) -> surface.View:
         """Return the view; one that the object fills where none is given."""
@@ -343,8 +359,9 @@ class CameraFlags:
             eye = target + np.array([0.0, 0.0, jobs.fitting_distance(body, angle, shape)])
         return surface.view_from(eye, target, shape, angle, height=height)
 
-    def lens(self) -> dict[str, Any]:
-        """Return what is sharp, by the names of a `SurfaceRenderJob`."""
+    def lens(self, around: bool = False) -> dict[str, Any]:
+        """Return what is sharp, by the names of a `SurfaceRenderJob`; samples as light from all around "
+        "asks."""
         if self.depth_of_field is None and self.focus is not None:
             raise refuse.Refusal("'focus' needs 'depth-of-field', such as --depth-of-field 5mm.")
         return {
@@ -353,7 +370,7 @@ class CameraFlags:
             else _sides(self.depth_of_field, 1, "depth-of-field")[0],
             "focus": None if self.focus is None else _sides(self.focus, 1, "focus")[0],
             "lens_samples": self.lens_samples,
-            "samples": self.samples,
+            "samples": (2 if around else 3) if self.samples is None else self.samples,
         }
 
 

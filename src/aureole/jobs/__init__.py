@@ -83,6 +83,7 @@ from aureole.jobs.surface_sources import (
     named_table_stages,
     read_pixels,
     read_plane,
+    surface_from_bokeh,
 )
 from aureole.jobs.viewer import Viewer
 
@@ -153,6 +154,7 @@ __all__ = [
     "read_plane",
     "render_exposure",
     "run",
+    "surface_from_bokeh",
     "usual_shape",
     "write_drawing",
     "write_eye_preview",

@@ -39,6 +39,8 @@ class SurfaceTableJob:
         Of a Taylor series.
     facts : mapping
         What is known about the source besides, for the report.
+    notes : tuple of str
+        What a person should know about the source.
     """
 
     source: surface.Grating | surface.HeightField
@@ -51,6 +53,7 @@ class SurfaceTableJob:
     method: str = "exact"
     order: int = 1
     facts: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +93,7 @@ def run_surface_table(job: SurfaceTableJob) -> Iterator[Stage]:
         table = stage.result
         yield Stage(0.8 * stage.fraction, stage.label)
     assert isinstance(table, surface.ScatterTable)
-    yield from finished_table(table, {"surface": job.source.name, **job.facts}, job.normalise)
+    yield from finished_table(table, {"surface": job.source.name, **job.facts}, job.normalise, job.notes)
 
 
 def table_stages(job: SurfaceTableJob) -> Iterator[Stage]:

@@ -55,7 +55,7 @@ def write_table_preview(
         side.set_color(INK)
     panel.set_title(f"{title}, under {table.illuminant}", color=INK, fontsize=9, loc="left")
     panel.set_ylabel("h · b", color=INK, fontsize=8)
-    words = f"h · t = sin θ in + sin θ out; logarithmic, {DECADES:g} decades up to {high:.2g} per steradian"
+    words = f"h · t = sin θ in + sin θ out; logarithmic, {DECADES:g} decades up to {high:.3g} per steradian"
     panel.set_xlabel(words, color=INK, fontsize=8)
     save(path, figure)
 

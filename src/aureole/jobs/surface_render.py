@@ -36,6 +36,8 @@ class SurfaceRenderJob:
         What it is made of besides.
     environment : Environment, optional
         Light from all around.
+    environment_samples : int
+        Parts that the table is cut into for it, on objects that are not flat.
     tilt, turn, spin : float
         How the object is turned, as `aureole.surface.pose_of` does, radians.
     mask : ndarray of float32, shape (rows, columns), optional
@@ -58,6 +60,7 @@ class SurfaceRenderJob:
     view: surface.View
     material: surface.Material = field(default_factory=surface.Material)
     environment: surface.Environment | None = None
+    environment_samples: int = 512
     tilt: float = 0.0
     turn: float = 0.0
     spin: float = 0.0
@@ -303,6 +306,7 @@ def _drawn(job: SurfaceRenderJob, prepared: surface.Shader) -> Iterator[Stage]:
         job.view,
         surface.pose_of(tilt=job.tilt, turn=job.turn, spin=job.spin),
         environment=job.environment,
+        environment_samples=job.environment_samples,
         lens=lens,
     )
     yield from surface.render_stages(scene, prepared, job.shape, job.samples)

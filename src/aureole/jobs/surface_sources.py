@@ -1,8 +1,9 @@
 """Surfaces as people describe them: presets, slits, pictures of heights, tables in files."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,6 +100,48 @@ def heights_from_file(path: Path, pixel: float, unit: float) -> surface.HeightFi
     """
     scale = refuse.finite("height-unit", unit)
     return surface.height_field(scale * read_plane(path, "linear"), pixel, path.stem)
+
+
+def surface_from_bokeh(
+    path: Path, slits: bool = False, **known: Any
+) -> tuple[surface.Grating | surface.HeightField, dict[str, Any], tuple[str, ...]]:
+    """Read a surface from the photograph of an out-of-focus highlight on it.
+
+    Parameters
+    ----------
+    path : Path
+        The photograph.
+    slits : bool
+        Whether the lines that it shows are taken as slits; as heights otherwise.
+    **known : dict
+        What else `aureole.surface.heights_from_bokeh` takes.
+
+    Returns
+    -------
+    source : Grating or HeightField
+        The surface.
+    facts : dict
+        Plain numbers.
+    notes : tuple of str
+        What to mind: a bokeh is a likeness, and no lens shows lines finer than its limit.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the file cannot be read, or it is not said how large a pixel or how deep dark is.
+    """
+    found = surface.heights_from_bokeh(path, **known)
+    facts: dict[str, Any] = {
+        "surface": path.stem,
+        "turned_deg": round(math.degrees(found.angle), 3),
+        "period_along_t_m": found.period,
+        "bright_width_m": found.width,
+        "lit_lines": found.lit,
+        "pixel_m": found.heights.pixel,
+    }
+    if found.across:
+        facts["period_along_b_m"] = found.across
+    return (found.grating() if slits else found.heights), facts, found.notes
 
 
 def is_table(text: str) -> bool:
