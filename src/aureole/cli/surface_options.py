@@ -299,7 +299,7 @@ class SourceFlags:
         owners: dict[str, dict[str, Any]] = {
             "slits": {"across": self.across, "radial": self.radial or None},
             "height": {"height-unit": self.height_unit},
-            "height or bokeh": {"pixel": self.pixel, "method": self.method, "order": self.order},
+            "height' or 'bokeh": {"pixel": self.pixel, "method": self.method, "order": self.order},
             "bokeh": {
                 "period": self.period,
                 "depth": self.depth,
@@ -311,7 +311,7 @@ class SourceFlags:
         }
         for owner, flags in owners.items():
             for name, value in flags.items():
-                if value is not None and kind not in owner.split(" or "):
+                if value is not None and kind not in owner.split("' or '"):
                     raise refuse.Refusal(f"'{name}' goes with '{owner}', not with '{kind}'.")
         if self.across is not None and self.radial:
             raise refuse.Refusal("'across' and 'radial' do not go together; give one of them.")

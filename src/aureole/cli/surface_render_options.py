@@ -1,7 +1,7 @@
 """Flags of the command `surface render`: object, light, camera, material, and what they mean."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -400,9 +400,14 @@ class MaterialFlags:
         ),
     ] = None
     roughness: Annotated[
-        float,
-        typer.Option("--roughness", help="Slope of that lobe's facets: 0.05.", rich_help_panel=MATERIAL),
-    ] = 0.05
+        float | None,
+        typer.Option(
+            "--roughness",
+            help="Slope of that lobe's facets: 0.1 unless given, or as wide as the order that the table "
+            "left out.",
+            rich_help_panel=MATERIAL,
+        ),
+    ] = None
     diffraction: Annotated[
         float, typer.Option("--diffraction", help="Weight of the table.", rich_help_panel=MATERIAL)
     ] = 1.0
@@ -442,7 +447,9 @@ class MaterialFlags:
         given = surface.Material(
             diffuse=_colour(self.diffuse, "diffuse"),
             specular=refuse.between("specular", specular, 0.0, 1e6),
-            roughness=refuse.between("roughness", self.roughness, 1e-3, 10.0),
+            roughness=refuse.between(
+                "roughness", 0.1 if self.roughness is None else self.roughness, 1e-3, 10.0
+            ),
             diffraction=refuse.between("diffraction", self.diffraction, 0.0, 1e6),
             fresnel=None if self.fresnel is None else _fresnel(self.fresnel),
             geometry=self.geometry,
@@ -450,7 +457,8 @@ class MaterialFlags:
         )
         if table is None or self.specular is not None:
             return given
-        return surface.material_of(table, given, self.roughness)
+        found = surface.material_of(table, given)
+        return found if self.roughness is None else replace(found, roughness=self.roughness)
 
 
 def turning(text: str | None) -> dict[str, Any]:

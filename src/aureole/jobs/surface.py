@@ -149,7 +149,7 @@ def finished_table(
     Stage
         The last one holds a `SurfaceTableResult`.
     """
-    yield Stage(0.85, "measuring the table")
+    yield Stage(0.95, "measuring the table")
     if normalise:
         table = surface.normalised(table)
     report = {**facts, **table_report(table)}

@@ -161,7 +161,7 @@ def is_table(text: str) -> bool:
 
 
 def named_table_stages(
-    text: str, illuminant: str = "D65", size: int | None = None, zero_order: str = "specular"
+    text: str, illuminant: str = "D65", size: int | None = None, zero_order: str = "keep"
 ) -> Iterator[Stage]:
     """Read a table, or make one of a grating's preset.
 
