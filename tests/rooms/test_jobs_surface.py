@@ -1,4 +1,4 @@
-"""The jobs of diffractive surfaces: stages, measurements against what was photographed, turntables, exports."""
+"""The jobs of diffractive surfaces: stages, measurements, turntables, previews, exports."""
 
 import dataclasses
 import math
