@@ -123,6 +123,25 @@ def test_a_bracket_tells_its_black_level():
     assert surface.estimate_black(photos, [1.0, 8.0, 64.0]) == pytest.approx(512.0, abs=0.3)
 
 
+def test_dark_frames_take_hot_pixels_away():
+    scene = np.full((40, 40), 0.2)
+    hot = np.zeros((40, 40))
+    hot[7, 9], hot[30, 3] = 900.0, 300.0
+    exposures = [1.0, 4.0]
+    camera = surface.VirtualCamera(read_noise=0.0)
+    photos = [
+        photo + time * hot
+        for photo, time in zip(surface.photograph(scene, exposures, camera), exposures, strict=True)
+    ]
+    dark = [camera.black + time * hot for time in exposures]
+    merged = surface.merge(photos, exposures, dark, camera.saturation + 4000.0)
+    np.testing.assert_allclose(merged.values, merged.values[0, 0], rtol=1e-3)
+    plain = surface.merge(photos, exposures, camera.black, camera.saturation + 4000.0)
+    assert plain.values[7, 9] > 1.2 * merged.values[7, 9]
+    with pytest.raises(refuse.Refusal, match="dark frame for each"):
+        surface.merge(photos, exposures, dark[:1])
+
+
 def test_what_all_exposures_clip_is_marked():
     scene = np.full((8, 8), 0.1)
     scene[3, 4] = 5.0

@@ -111,6 +111,20 @@ def test_a_single_band_map_as_the_papers_authors_share_is_measured(tmp_path):
     assert table.metadata["patterns"][0]["period"][0] == pytest.approx(532e-9 / 0.1, rel=0.02)
 
 
+@pytest.mark.parametrize("suffix", ["exr", "hdr", "pfm"])
+def test_one_hdr_file_is_enough(tmp_path, suffix):
+    rows, columns = np.mgrid[0:61.0, 0:61.0]
+    photo = np.exp(-0.5 * ((rows - 30.4) ** 2 + (columns - 29.7) ** 2) / 9.0).astype(np.float32) + 1e-3
+    path = tmp_path / f"sample.{suffix}"
+    if suffix == "pfm":
+        surface.write_pfm(path, photo)
+    else:
+        picture.write(path, Picture(np.repeat(photo[..., None], 3, axis=2)))
+    found = surface.read_photographs([path])
+    pattern = surface.measure_pattern(found.planes[0], 1.0, surface.UniformGeometry(1e-3), 532e-9)
+    assert pattern.metadata["centre"] == pytest.approx([30.4, 29.7], abs=0.1)
+
+
 def test_files_that_are_no_bracket_are_refused(tmp_path):
     surface.write_pfm(tmp_path / "a.pfm", np.ones((4, 5), np.float32))
     surface.write_pfm(tmp_path / "b.pfm", np.ones((4, 6), np.float32))
