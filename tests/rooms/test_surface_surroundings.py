@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aureole import refuse, surface
-from aureole.surface.environment import Environment
+from aureole.surface.environment import Environment, directions
 from aureole.surface.surroundings import facets, shrunk
 from aureole.surface.table import axis, energy
 
@@ -93,6 +93,29 @@ def test_a_mirror_shows_the_patch_behind_it_and_a_rough_one_keeps_white():
         np.testing.assert_allclose(found[0, 0], bright, atol=0.05)
     rough = surface.mirror_light(seen_from([[0.0, 0.0], [0.3, 0.0]]), white(), 0.1)
     np.testing.assert_allclose(rough, 1.0, rtol=0.01)
+
+
+def test_a_rough_mirror_is_cook_and_torrances_lobe_summed_over_all_directions(room):
+    """Beckmann, V grooves, Schlick: direction by direction over the room, for views all over."""
+    roughness, fresnel, views = 0.15, surface.schlick(0.3), all_over(20)
+    found = surface.mirror_light(seen_from(views), room, roughness, fresnel)[0]
+    expected = np.zeros_like(found, dtype=np.float64)
+    for places, energies, count in directions(room, FRAME, 4):
+        s, energy = places[:count], energies[:count]
+        above = np.sqrt(np.maximum(0.0, 1 - (s**2).sum(axis=1)))
+        for k, view in enumerate(views):
+            eye = np.sqrt(1 - view @ view)
+            half = np.column_stack([s + view, above + eye])
+            length = np.linalg.norm(half, axis=1)
+            n_h, o_h = half[:, 2] / length, 0.5 * length
+            slope = (1 - n_h**2) / (n_h**2 * roughness**2)
+            facet = np.exp(-slope) / (np.pi * roughness**2 * n_h**4)
+            shadow = np.minimum(1.0, 2 * n_h * np.minimum(above, eye) / o_h)
+            mirror = 0.3 + 0.7 * (1 - o_h) ** 5
+            lobe = mirror * facet * shadow / (4 * np.maximum(above, 1e-4) * eye)
+            expected[k] += lobe @ energy
+    assert np.median(np.abs(found / expected - 1)) <= 0.08
+    assert found.sum() == pytest.approx(expected.sum(), rel=0.1)
 
 
 def test_facets_have_beckmanns_mean_square_slope():

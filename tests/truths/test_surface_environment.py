@@ -92,6 +92,8 @@ def test_the_reference_of_a_flat_table_is_the_irradiance_whichever_way_the_sampl
     energy = sum(e[:count].sum(axis=0) for _, e, count in directions(room, frame, 64))
     found = surface.quadrature(flat(), room, frame, [[0.0, 0.0], [0.3, -0.4]]).radiance
     np.testing.assert_allclose(found, 4 * np.pi**2 * np.stack([energy, energy]), rtol=1e-3)
+    mirrored = surface.quadrature(flat(), room, frame * [[1], [-1], [1]], [[0.0, 0.0], [0.3, 0.4]])
+    np.testing.assert_allclose(mirrored.radiance, found, rtol=1e-6)
 
 
 def test_a_flat_table_sends_the_irradiance_to_every_view():

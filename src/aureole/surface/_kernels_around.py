@@ -218,7 +218,7 @@ def mirrored(
                 if half <= 0.0 or z <= 0.0:
                     continue
                 toward = _turned(axes, j, x, y, z)
-                variance = 4.0 * half * mz**3 * facets[m, 2]
+                variance = 2.0 * (1.0 + half * half) * mz**3 * facets[m, 2]
                 light = _look(toward[0], toward[1], toward[2], variance, texels, sizes, starts, widths)
                 weight = facets[m, 3] * min(1.0, 2.0 * mz * min(z, oz) / half) * half / (oz * mz)
                 for k in range(3):

@@ -211,13 +211,15 @@ def borders(environment: Environment, axes: NDArray[np.float64]) -> NDArray[np.f
     latitude = np.pi / 2 - np.pi * np.arange(rows + 1) / rows
     longitude = 2 * np.pi * np.arange(columns + 1) / columns - np.pi
     ahead = np.stack([np.sin(longitude), np.zeros(columns + 1), -np.cos(longitude)])
+    # Seen from above, left is left only where tangent, bitangent and normal are right-handed.
+    hand = np.sign(np.linalg.det(axes))
     parts = []
     # Meridians, upwards: later columns lie on their left, as seen from outside of the sphere.
     curves = np.zeros((columns, rows, 3, 3))
     curves[..., 1] = (axes @ ahead[:, :-1]).T[:, None]
     curves[..., 2] = axes[:, 1]
     spans = np.stack([latitude[1:], latitude[:-1]], axis=-1)[None].repeat(columns, axis=0)
-    jumps = (light - np.roll(light, 1, axis=1)).transpose(1, 0, 2)
+    jumps = hand * (light - np.roll(light, 1, axis=1)).transpose(1, 0, 2)
     parts.append(_cut(curves.reshape(-1, 3, 3), spans.reshape(-1, 2), jumps.reshape(-1, 3)))
     # Parallels, towards later columns: the row below lies on their left.
     inner = latitude[1:-1]
@@ -226,7 +228,7 @@ def borders(environment: Environment, axes: NDArray[np.float64]) -> NDArray[np.f
     curves[..., 1] = (-np.cos(inner)[:, None] * axes[:, 2])[:, None]
     curves[..., 2] = (np.cos(inner)[:, None] * axes[:, 0])[:, None]
     spans = np.stack([longitude[:-1], longitude[1:]], axis=-1)[None].repeat(rows - 1, axis=0)
-    jumps = light[1:] - light[:-1]
+    jumps = hand * (light[1:] - light[:-1])
     parts.append(_cut(curves.reshape(-1, 3, 3), spans.reshape(-1, 2), jumps.reshape(-1, 3)))
     parts.append(_horizon(light, axes, latitude, longitude))
     return np.ascontiguousarray(np.concatenate(parts))

@@ -13,6 +13,7 @@ from scipy import sparse
 from aureole import refuse
 from aureole.surface.table import axis, unwarp
 
+GAUSS_POINTS = 3
 FILTERS = ("point", "average", "sharpened")
 
 
@@ -69,7 +70,11 @@ def on_even_steps(
 def on_warped_steps(
     plane: NDArray[np.floating], step: float, counts: tuple[int, int], half_range: float, warp: int
 ) -> NDArray[np.float32]:
-    """Resample even steps of h as a warped table, linear between the plane's samples, black beyond them.
+    """Resample even steps of h as a warped table whose whole light is the plane's.
+
+    The plane is taken as linear between its samples and black beyond them. A table's sample is the mean
+    over what it stands for, a tent in u between its neighbours: where the warp is finer than the plane that
+    is linear interpolation, and where it is coarser no light falls between samples.
 
     Parameters
     ----------
@@ -90,11 +95,38 @@ def on_warped_steps(
         Row 0 at h_b = +half_range.
     """
     down, along = (
-        _linear(size // 2 + axis(count, half_range, warp) / step, size)
+        _tents(count, half_range, warp, size, step)
         for size, count in zip(plane.shape[:2], counts, strict=True)
     )
     channels = [(along @ (down @ plane[..., channel]).T).T for channel in range(plane.shape[2])]
     return np.stack(channels, axis=-1).astype(np.float32)
+
+
+def _tents(count: int, half_range: float, warp: int, size: int, step: float) -> sparse.csr_matrix:
+    """Weights (count, size) of means under a warped axis's tents of what is linear between even samples."""
+    nodes, samples = axis(count, half_range, warp), step * (np.arange(size) - size // 2)
+    inside = samples[(samples > nodes[0]) & (samples < nodes[-1])]
+    cuts = np.union1d(nodes, inside)
+    # Between cuts a tent is a smooth function of h and the plane is linear: three Gauss points are enough.
+    places, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    length = np.diff(cuts)[:, None]
+    h = (cuts[:-1, None] + length * (0.5 + 0.5 * places)).ravel()
+    share = (length * 0.5 * weights).ravel()
+    place = 0.5 * (count - 1) * (1.0 + unwarp(h, half_range, warp))
+    i = np.clip(place.astype(np.int64), 0, count - 2)
+    up = np.clip(place - i, 0.0, 1.0)
+    even = h / step + size // 2
+    j = np.floor(even).astype(np.int64)
+    right = even - j
+    entries, where, whole = [], [], np.zeros(count)
+    for row, high in ((i, 1.0 - up), (i + 1, up)):
+        np.add.at(whole, row, share * high)
+        for column, part in ((j, 1.0 - right), (j + 1, right)):
+            entries.append(share * high * part * ((column >= 0) & (column < size)))
+            where.append((row, np.clip(column, 0, size - 1)))
+    rows, columns = (np.concatenate(each) for each in zip(*where, strict=True))
+    values = np.concatenate(entries) / whole[rows]
+    return sparse.csr_matrix((values, (rows, columns)), shape=(count, size))
 
 
 def _matrix(

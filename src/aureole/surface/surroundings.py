@@ -18,14 +18,14 @@ from aureole.surface.environment import Environment, in_space
 from aureole.surface.material import GEOMETRY
 from aureole.surface.shapes import Seen
 from aureole.surface.table import ScatterTable
-from aureole.surface.table_cells import table_cells
+from aureole.surface.table_cells import OVERLAP, table_cells
 
 FINEST = 0.25  # of a pixel: the first copy's blur
 WIDEST = 0.7  # radians: the last copy's blur
 TEXELS_A_SIGMA = 1.5
 MOST_TEXELS = 1025  # across a copy
 IRRADIANCE_ROWS, IRRADIANCE_TEXELS = 64, 65
-RINGS, SECTORS = 8, 16
+FACETS, STEEPEST = 256, 2.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +210,7 @@ def irradiance(
 
 
 def facets(roughness: float) -> NDArray[np.float64]:
-    """Cut Beckmann's distribution of slopes into equal shares.
+    """Cut Beckmann's distribution of slopes into even parts.
 
     Parameters
     ----------
@@ -225,14 +225,14 @@ def facets(roughness: float) -> NDArray[np.float64]:
     m = refuse.between("roughness", roughness, 0.0, 10.0)
     if m == 0.0:
         return np.array([[0.0, 0.0, 0.0, 1.0]])
-    # Slopes below r hold 1 − exp(−r² / m²) of the facets: rings of equal shares, at their middle shares.
-    middle = m * np.sqrt(-np.log1p(-(np.arange(RINGS) + 0.5) / RINGS))
-    share = 1.0 / (RINGS * SECTORS)
-    angle = 2 * np.pi * (np.arange(SECTORS)[None, :] + 0.5 * (np.arange(RINGS)[:, None] % 2)) / SECTORS
-    density = np.exp(-((middle / m) ** 2)) / (np.pi * m * m)
-    variance = np.repeat(0.25 * share / density, SECTORS)
-    p, q = (middle[:, None] * part(angle) for part in (np.cos, np.sin))
-    return np.stack([p.ravel(), q.ravel(), variance, np.full(variance.shape, share)], axis=1)
+    # Vogel's spiral (1979) spreads places evenly over the disc of slopes that matter.
+    order = np.arange(FACETS) + 0.5
+    radius, angle = STEEPEST * m * np.sqrt(order / FACETS), order * np.pi * (3 - np.sqrt(5))
+    share = np.exp(-((radius / m) ** 2))
+    area = np.pi * (STEEPEST * m) ** 2 / FACETS
+    # As wide a blur for a facet's part of the slopes as for a cell of a table.
+    variance = np.full(FACETS, OVERLAP * area / 12)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), variance, share / share.sum()], axis=1)
 
 
 def shrunk(radiance: NDArray[np.float32], rows: int) -> NDArray[np.float32]:
