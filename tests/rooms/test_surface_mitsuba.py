@@ -1,6 +1,5 @@
 """Mitsuba's BSDF of a table: its values, densities and samples; who has no Mitsuba is told what to do."""
 
-import subprocess
 import sys
 
 import numpy as np
@@ -88,14 +87,48 @@ def test_the_sampling_density_is_brightness_per_step_of_u(table):
     assert density.max() == 1
 
 
-def test_without_mitsuba_the_probe_names_the_line_that_installs_it():
-    code = (
-        "from aureole.surface import mitsuba as plugin\n"
-        "plugin._PROBE = 'raise ModuleNotFoundError(\"No module named mitsuba\")'\n"
-        "try: plugin.use()\nexcept ValueError as error: print(error)"
+def test_without_mitsuba_the_line_that_installs_it_is_named(monkeypatch, table):
+    monkeypatch.setattr(plugin, "_PROBE", "import no_such_mitsuba")
+    found = plugin.probe.__wrapped__("llvm_ad_rgb")
+    assert not found.works
+    assert found.reason == 'Mitsuba is not installed; install it with: pip install "aureole[mitsuba]".'
+    monkeypatch.setitem(sys.modules, "mitsuba", None)
+    scene = surface.Scene((), surface.view_from((0.0, 0.0, 1.0)))
+    with pytest.raises(refuse.Refusal, match=r"Mitsuba is not installed; install it with: pip install"):
+        surface.mitsuba_scene(scene, table, surface.Disc(1.0))
+
+
+def test_a_library_that_kills_the_process_is_named_and_kills_nothing_here(monkeypatch, tmp_path):
+    (tmp_path / "libLLVM-99.so").touch()
+    monkeypatch.setattr(plugin, "_LLVM_PLACES", (str(tmp_path / "libLLVM*.so"),))
+    monkeypatch.setattr(plugin, "_PROBE", "import os; os.abort()")
+    found = plugin.probe.__wrapped__("llvm_ad_rgb")
+    assert not found.works
+    assert found.reason == (
+        "Mitsuba's variant 'llvm_ad_rgb' fails here (with libLLVM-99.so: the process ended with -6); "
+        "install LLVM's library, on Debian and Ubuntu with: apt-get install libllvm15."
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == 'Mitsuba is not installed; install it with: pip install "aureole[mitsuba]".'
+
+
+def test_a_library_that_works_is_found_where_the_first_does_not(monkeypatch, tmp_path):
+    (tmp_path / "libLLVM-15.so").touch()
+    monkeypatch.setattr(plugin, "_LLVM_PLACES", (str(tmp_path / "libLLVM*.so"),))
+    monkeypatch.delenv("DRJIT_LIBLLVM_PATH", raising=False)
+    monkeypatch.setattr(plugin, "_PROBE", "import os, sys; sys.exit('DRJIT_LIBLLVM_PATH' not in os.environ)")
+    found = plugin.probe.__wrapped__("llvm_ad_rgb")
+    assert found.works
+    assert found.environment == {"DRJIT_LIBLLVM_PATH": str(tmp_path / "libLLVM-15.so")}
+
+
+def test_a_library_loaded_before_is_refused(monkeypatch):
+    wanted = plugin.Probe("llvm_ad_rgb", True, environment={"DRJIT_LIBLLVM_PATH": "/lib/libLLVM-15.so"})
+    monkeypatch.setattr(plugin, "probe", lambda variant: wanted)
+    monkeypatch.setitem(sys.modules, "drjit", sys)
+    monkeypatch.delenv("DRJIT_LIBLLVM_PATH", raising=False)
+    with pytest.raises(
+        refuse.Refusal, match=r"imported already; set DRJIT_LIBLLVM_PATH=/lib/libLLVM-15\.so first"
+    ):
+        plugin.use()
 
 
 def test_refusals_say_what_is_allowed(table):

@@ -98,12 +98,18 @@ def probe(variant: str = "llvm_ad_rgb") -> Probe:
         return Probe(variant, True)
     if "No module named" in failed:
         return Probe(variant, False, f"Mitsuba is not installed; {INSTALL}.")
-    for library in _llvm_libraries() if variant.startswith("llvm") else ():
+    if not variant.startswith("llvm"):
+        needs = "it needs an NVIDIA GPU and its driver"
+        return Probe(variant, False, f"Mitsuba's variant '{variant}' fails here ({failed}); {needs}.")
+    tried = []
+    for library in _llvm_libraries():
         named = {"DRJIT_LIBLLVM_PATH": library}
-        if _tried(variant, named) is None:
+        failed = _tried(variant, named)
+        if failed is None:
             return Probe(variant, True, environment=named)
-    hint = INSTALL_LLVM if variant.startswith("llvm") else "it needs an NVIDIA GPU and its driver"
-    return Probe(variant, False, f"Mitsuba's variant '{variant}' fails here ({failed}); {hint}.")
+        tried.append(os.path.basename(library))
+    found = f"with {', '.join(tried)}: {failed}" if tried else failed
+    return Probe(variant, False, f"Mitsuba's variant '{variant}' fails here ({found}); {INSTALL_LLVM}.")
 
 
 def use(variant: str = "llvm_ad_rgb") -> Any:
@@ -127,7 +133,12 @@ def use(variant: str = "llvm_ad_rgb") -> Any:
     found = probe(variant)
     if not found.works:
         raise refuse.Refusal(found.reason)
-    os.environ.update(found.environment)
+    # A library that does not fit ends the process as soon as it compiles: it must not be loaded already.
+    unset = {name: value for name, value in found.environment.items() if os.environ.get(name) != value}
+    if unset and "drjit" in sys.modules:
+        said = " ".join(f"{name}={value}" for name, value in unset.items())
+        raise refuse.Refusal(f"Mitsuba was imported already; set {said} first, or call 'use' before it.")
+    os.environ.update(unset)
     import mitsuba
 
     mitsuba.set_variant(variant)

@@ -20,7 +20,7 @@ from aureole.records import Spectrum
 from aureole.surface.environment import Environment
 from aureole.surface.integrate import as_spectrum
 from aureole.surface.lamps import Lamp
-from aureole.surface.mitsuba import bsdf, bsdf_of_file
+from aureole.surface.mitsuba import INSTALL, bsdf, bsdf_of_file
 from aureole.surface.pattern import DiffractionPattern
 from aureole.surface.scene import Scene
 from aureole.surface.shapes import Cylinder, Disc, Mesh, Plane, Pose, Shape
@@ -86,7 +86,7 @@ def mitsuba_scene(
     refuse.Refusal
         Where Mitsuba has nothing for a part of the scene.
     """
-    mitsuba = importlib.import_module("mitsuba")
+    mitsuba = _imported()
     if not mitsuba.variant():
         raise refuse.Refusal("Mitsuba has no variant yet: call 'aureole.surface.mitsuba.use' first.")
     spectral = "spectral" in mitsuba.variant()
@@ -151,6 +151,13 @@ def write_mitsuba(
     with whole_file(place) as part:
         ElementTree.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
     return place
+
+
+def _imported() -> Any:
+    try:
+        return importlib.import_module("mitsuba")
+    except ImportError:
+        raise refuse.Refusal(f"Mitsuba is not installed; {INSTALL}.") from None
 
 
 def _described(scene: Scene, samples: int, pixels: str) -> dict[str, Any]:
