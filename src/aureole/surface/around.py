@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole.surface.environment import Environment, EnvironmentReflection, in_space
+from aureole.surface.environment import Environment, EnvironmentReflection, ReflectedLight, in_space
 from aureole.surface.shading import Shader, map_places
 from aureole.surface.shapes import Seen
 from aureole.surface.surroundings import environment_light, irradiance, mirror_light, surroundings
@@ -32,6 +32,7 @@ class Around:
         self._light = in_space(environment, prepared.colour_space)
         self._blurred = surroundings(self._light)
         self._reflections: tuple[EnvironmentReflection, ...] = ()
+        self._frame, self._reflected = np.zeros((3, 3)), list[ReflectedLight]()
 
     def __call__(self, seen: Seen, flat: bool) -> NDArray[np.float32]:
         """Return what reaches the eye.
@@ -83,10 +84,6 @@ class Around:
     def _of_flat(self, seen: Seen) -> NDArray[np.float32]:
         """Diffraction of one frame, by correlation; F² is that of the mirror's angle, before the integral."""
         prepared = self._prepared
-        if not self._reflections:
-            space = prepared.colour_space
-            made = (EnvironmentReflection(table, space, _REFLECTION) for table in prepared.sources)
-            self._reflections = tuple(made)
         first = np.argmax(seen.hit.ravel())
         axes = (part.reshape(-1, 3)[first] for part in (seen.tangents, seen.bitangents, seen.normals))
         frame = _orthonormal(np.stack(list(axes)).astype(np.float64))
@@ -94,15 +91,25 @@ class Around:
         row, column = map_places(seen.frames, prepared.regions)
         which = prepared.regions[row, column]
         out = np.zeros((*seen.hit.shape, 3), dtype=np.float32)
-        for number, reflection in enumerate(self._reflections):
+        for number, reflected in enumerate(self._towards_all(frame)):
             here = seen.hit & (which == number) & (cosines[..., 2] > 0)
             views = cosines[here][:, :2]
             views /= np.maximum(1.0, np.linalg.norm(views, axis=1, keepdims=True))
-            out[here] = reflection(self._light, frame).towards(views)
+            out[here] = reflected.towards(views)
         table = prepared.fresnel
         at = np.clip(cosines[..., 2], 0.0, 1.0) * (len(table) - 1)
         mirror = np.stack([np.interp(at, np.arange(len(table)), table[:, k]) for k in range(3)], axis=-1)
         return np.asarray(out * mirror**2, dtype=np.float32)
+
+    def _towards_all(self, frame: NDArray[np.float64]) -> list[ReflectedLight]:
+        """Reflect the light off a flat sample, once for all pictures of it in one pose."""
+        if not self._reflections:
+            space, tables = self._prepared.colour_space, self._prepared.sources
+            self._reflections = tuple(EnvironmentReflection(table, space, _REFLECTION) for table in tables)
+        if not np.array_equal(frame, self._frame):
+            self._frame = frame
+            self._reflected = [reflection(self._light, frame) for reflection in self._reflections]
+        return self._reflected
 
 
 def _orthonormal(frame: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -87,16 +87,16 @@ def frames_at(
     ndarray of float32, shape (N, 17)
         As in `Seen`.
     """
-    shares = np.column_stack([weights, 1.0 - weights.sum(axis=1)])
+    shares = np.column_stack([weights, 1.0 - weights[:, 0] - weights[:, 1]])
     frames = np.ones((len(weights), 17), dtype=np.float32)
     frames[:, 1:13] = sum(shares[:, k, None] * attributes[corners[:, k]] for k in range(3))
     place, normal, tangent = frames[:, 1:4], frames[:, 4:7], frames[:, 7:10]
     outward = view.eye - place if view.perspective else np.broadcast_to(-view.forward, place.shape)
     normal /= _length(normal)
-    tangent -= np.sum(normal * tangent, axis=1, keepdims=True) * normal
+    tangent -= _dot(normal, tangent) * normal
     tangent /= _length(tangent)
     frames[:, 13:16] = outward / _length(outward)
-    front = np.where(np.sum(normal * frames[:, 13:16], axis=1) < 0, np.float32(-1), np.float32(1))
+    front = np.where(_dot(normal, frames[:, 13:16])[:, 0] < 0, np.float32(-1), np.float32(1))
     normal *= front[:, None]
     frames[:, 10] = front * np.where(attributes[corners[:, 0], 9] > 0, 1, -1)
     frames[:, 16] = depth
@@ -141,5 +141,9 @@ def _sorted_by_band(
 
 
 def _length(vectors: NDArray[np.floating]) -> NDArray[np.floating]:
-    found: NDArray[np.floating] = np.sqrt(np.sum(vectors**2, axis=1, keepdims=True) + 1e-60)
+    return np.sqrt(_dot(vectors, vectors) + np.float32(1e-30))
+
+
+def _dot(one: NDArray[np.floating], other: NDArray[np.floating]) -> NDArray[np.floating]:
+    found: NDArray[np.floating] = np.einsum("ij,ij->i", one, other)[:, None]
     return found

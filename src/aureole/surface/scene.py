@@ -16,7 +16,19 @@ from aureole.surface.lamps import Lamp
 from aureole.surface.material import Material
 from aureole.surface.shading import Shader, Tables, add_light, shader, turned
 from aureole.surface.shadows import Shadow
-from aureole.surface.shapes import Caster, Cylinder, Disc, Mesh, Plane, Pose, Seen, Shape, blocked, see
+from aureole.surface.shapes import (
+    Caster,
+    Cylinder,
+    Disc,
+    Mesh,
+    Plane,
+    Pose,
+    Seen,
+    Shape,
+    blocked,
+    see,
+    unblocked,
+)
 from aureole.surface.views import View
 
 _BAND = 1 << 20  # samples between two stages
@@ -173,20 +185,21 @@ def _drawer(
     lamps = _all_lamps(scene)
     shadows = None
     if scene.shadows and isinstance(shape, Cylinder | Mesh):
-        shadows = [Shadow(shape, scene.pose, lamp) for lamp in lamps]
-    if isinstance(shape, Mesh) or shadows is not None or around is not None or prepared.angles is not None:
-        even = isinstance(shape, Plane) or (isinstance(shape, Disc) and not shape.radial)
+        shadows = tuple(Shadow(shape, scene.pose, lamp) for lamp in lamps)
+    lighting = Lighting(prepared, lamps, shadows)
+    even = isinstance(shape, Plane) or (isinstance(shape, Disc) and not shape.radial)
 
-        def by_frames(first: int, last: int, share: float, pixels: NDArray[np.float32]) -> None:
-            seen = see(shape, view, scene.pose, samples, (first * samples, last * samples))
-            frames = turned(prepared, seen.frames.reshape(-1, seen.frames.shape[2]))
-            seen = Seen(frames.reshape(seen.frames.shape))
-            _add_lamps(prepared, seen, lamps, shadows, share, pixels[first:last])
-            if around is not None:
-                lit = around(seen, even and prepared.angles is None)
-                mean = lit.reshape(last - first, samples, -1, samples, 3).mean(axis=(1, 3))
-                pixels[first:last, :, :3] += np.float32(share) * mean
+    def by_frames(first: int, last: int, share: float, pixels: NDArray[np.float32]) -> None:
+        seen = see(shape, view, scene.pose, samples, (first * samples, last * samples))
+        frames = turned(prepared, seen.frames.reshape(-1, seen.frames.shape[2]))
+        seen = Seen(frames.reshape(seen.frames.shape))
+        _add_lamps(lighting, seen, share, pixels[first:last])
+        if around is not None:
+            lit = around(seen, even and prepared.angles is None)
+            mean = lit.reshape(last - first, samples, -1, samples, 3).mean(axis=(1, 3))
+            pixels[first:last, :, :3] += np.float32(share) * mean
 
+    if isinstance(shape, Mesh) or around is not None or prepared.angles is not None:
         return by_frames
     caster = Caster(shape, scene.pose, view, samples)
 
@@ -196,34 +209,63 @@ def _drawer(
             rows = (first + begin) * samples, (first + end) * samples
             for row, until, blocks, places in caster(*rows, step, samples):
                 part = pixels[row // samples : until // samples]
-                add_light(prepared, blocks, places, share / samples**2, lamps, part)
+                lighting(blocks, places, share / samples**2, part)
 
         in_bands(work, last - first)
 
     return by_chunks
 
 
-def _add_lamps(
-    prepared: Shader,
-    seen: Seen,
-    lamps: tuple[Lamp, ...],
-    shadows: list[Shadow] | None,
-    share: float,
-    pixels: NDArray[np.float32],
-) -> None:
-    """Add what lamps make frames send to the eye to their pixels, each lamp where it reaches."""
+@dataclass(frozen=True, eq=False)
+class Lighting:
+    """A surface under lamps, and what keeps their light from it.
+
+    Parameters
+    ----------
+    prepared : Shader
+        The surface.
+    lamps : tuple of Lamp
+        The lamps.
+    shadows : tuple of Shadow, or None
+        One for each lamp.
+    """
+
+    prepared: Shader
+    lamps: tuple[Lamp, ...]
+    shadows: tuple[Shadow, ...] | None
+
+    def __call__(
+        self, blocks: NDArray[np.float32], places: NDArray[np.int64], share: float, out: NDArray[np.float32]
+    ) -> None:
+        """Add what frames send to the eye to their pixels, as `add_light`, each lamp where it reaches.
+
+        Parameters
+        ----------
+        blocks, places, share, out : see there
+            As for `add_light`.
+        """
+        if self.shadows is None:
+            add_light(self.prepared, blocks, places, share, self.lamps, out)
+            return
+        frames = unblocked(blocks, len(places))
+        add_light(self.prepared, blocks, places, share, (), out)
+        colour = np.zeros_like(out)
+        for lamp, shadow in zip(self.lamps, self.shadows, strict=True):
+            lit = shadow.reaches(frames)
+            given = (blocks, places) if lit.all() else (blocked(frames[lit]), places[lit])
+            add_light(self.prepared, *given, share, (lamp,), colour)
+        out[..., :3] += colour[..., :3]
+
+
+def _add_lamps(lighting: Lighting, seen: Seen, share: float, pixels: NDArray[np.float32]) -> None:
+    """Add what lamps make kept frames send to the eye to their pixels."""
     samples = len(seen.frames) // len(pixels)
 
     def work(begin: int, end: int) -> None:
         part = seen.frames[begin * samples : end * samples]
         row, column = np.nonzero(part[..., 0] > 0)
         places = (row // samples) * pixels.shape[1] + column // samples
-        frames, weight = part[row, column], share / samples**2
-        add_light(prepared, blocked(frames), places, weight, () if shadows else lamps, pixels[begin:end])
-        for lamp, shadow in zip(lamps, shadows or (), strict=False):
-            lit, colour = shadow.reaches(frames), np.zeros_like(pixels[begin:end])
-            add_light(prepared, blocked(frames[lit]), places[lit], weight, (lamp,), colour)
-            pixels[begin:end, :, :3] += colour[..., :3]
+        lighting(blocked(part[row, column]), places, share / samples**2, pixels[begin:end])
 
     in_bands(work, len(pixels))
 
