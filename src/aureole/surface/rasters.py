@@ -141,7 +141,8 @@ def _sorted_by_band(
 
 
 def _length(vectors: NDArray[np.floating]) -> NDArray[np.floating]:
-    return np.sqrt(_dot(vectors, vectors) + np.float32(1e-30))
+    found: NDArray[np.floating] = np.sqrt(_dot(vectors, vectors) + np.float32(1e-30))
+    return found
 
 
 def _dot(one: NDArray[np.floating], other: NDArray[np.floating]) -> NDArray[np.floating]:
