@@ -30,3 +30,4 @@ $PYTHON docs/surface_measured.py bokeh $TO/surface-bokeh.png
 $PYTHON docs/surface_lights.py lamps $TO/surface-lamps.jpg
 $PYTHON docs/surface_lights.py rooms $TO/surface-rooms.jpg
 $PYTHON docs/surface_lights.py turned $TO/surface-turned.jpg
+$PYTHON docs/surface_lights.py prefilter $TO/surface-prefilter.png

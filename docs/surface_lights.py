@@ -6,14 +6,18 @@ hero: a compact disc in a hall, a lamp beside the camera.
 lamps: a lamp of two LEDs: their two pictures added up, the lamp's mirror image, and one table that was
 convolved with it (Fig. 22). Prints how far the last is from the first.
 rooms: two screens and a sheet of holographic paper in two rooms (Fig. 23).
+prefilter: a line across a sheet in a room, by the integral, by one correlation, and by the paper's
+reflection map (Fig. 24). Prints how far the last two are from the first.
 turned: a screen turned about its normal; the streaks turn with it (section 7).
 """
 
 import sys
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 from surface_sheets import (
     COMPACT_DISC,
     ROOM_ROWS,
@@ -30,7 +34,7 @@ from surface_sheets import (
     write,
 )
 
-from aureole import Picture, surface
+from aureole import Picture, picture, surface
 
 # The lamp's two LEDs: place before the sample's middle, radius (metres), colour.
 LEDS = (
@@ -67,15 +71,16 @@ def hero() -> Pixels:
     table = surface.table_from_grating("cd", size=1024)
     view = surface.view_from((0.0, -0.03, 0.30), (0.0, -0.002, 0.0), (440, 840), np.radians(20))
     pose = surface.pose_of(tilt=np.radians(-28.0), turn=np.radians(-12.0))
-    seen = surface.see(COMPACT_DISC, view, pose, samples=2)
-    around = surface.environment_light(seen, table, hall(), 768)
-    rows, columns = view.shape
-    found = around.reshape(rows, 2, columns, 2, 3).mean(axis=(1, 3))
+    seen = surface.see(COMPACT_DISC, view, pose)
+    around = surface.environment_light(seen, table, hall(), 1536)
+    # Samples lie at pixels' middles; at the rim a pixel takes its neighbour's light, by how much is covered.
+    nearest = ndimage.distance_transform_edt(~seen.hit, return_distances=False, return_indices=True)
+    around = around[tuple(nearest)]
     lamps = (*lamp((0.03, 0.16, 0.30), 1.0, 0.004), *lamp((-0.25, 0.02, 0.25), 0.6, 0.004))
     material = surface.Material(diffuse=0.004)
     scene = surface.Scene(lamps, view, pose, material)
-    found = found + 0.5 * surface.render(scene, table, COMPACT_DISC, 3).pixels[..., :3]
-    return shown(found, -1.5)
+    under = surface.render(scene, table, COMPACT_DISC, 3).pixels
+    return shown(around * under[..., 3:] + 0.5 * under[..., :3], -1.5)
 
 
 def mirror_image() -> Picture:
@@ -136,7 +141,39 @@ def turned() -> Pixels:
     return sheet([pictures])
 
 
+def prefilter(path: Path) -> None:
+    """Draw a line across holographic paper in a room, three ways."""
+    from matplotlib import pyplot
+
+    table = surface.table_from_grating(holographic(), size=256)
+    room = surface.lamps_and_windows(64, 3)
+    room = surface.Environment(np.roll(room.radiance, 64, axis=1), room.colour_space)
+    frame = surface.frame_of((0.03, 0.13, 1.0), (1.0, 0.0, 0.0))
+    views = np.stack([np.linspace(-0.3, 0.3, 41), np.full(41, 0.1)], axis=1)
+    truth = surface.quadrature(table, room, frame, views).radiance[:, 1]
+    figure, axes = pyplot.subplots(figsize=(8.4, 3.2), layout="constrained")
+    axes.plot(views[:, 0], truth, "o", color="#334155", ms=4, label="integral over all light")
+    ways = {
+        "one correlation": (surface.reflect(table, room, frame, 1023).towards(views)[:, 1], "#2563eb"),
+        "the paper's map": (surface.prefiltered(table, room, frame, views)[:, 1], "#ea580c"),
+    }
+    for name, (found, colour) in ways.items():
+        error = np.sqrt(np.mean((found - truth) ** 2)) / truth.mean()
+        print(f"{name}: root mean square error {error:.3%} of the mean")
+        axes.plot(views[:, 0], found, color=colour, lw=1.2, label=f"{name}: {error:.1%} off")
+    axes.set(xlabel="view's direction cosine along the tangent", ylabel="green light", ylim=(0, None))
+    axes.legend(frameon=False, fontsize=8)
+    axes.grid(alpha=0.25)
+    with picture.whole_file(path) as part:
+        figure.savefig(part, format=path.suffix.removeprefix("."), dpi=100)
+    pyplot.close(figure)
+
+
 NAMES = {"hero": hero, "lamps": lamps, "rooms": rooms, "turned": turned}
 
 if __name__ == "__main__":
-    write(NAMES[sys.argv[1]](), Path(sys.argv[2]))
+    if sys.argv[1] == "prefilter":
+        matplotlib.use("Agg")
+        prefilter(Path(sys.argv[2]))
+    else:
+        write(NAMES[sys.argv[1]](), Path(sys.argv[2]))

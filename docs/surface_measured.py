@@ -149,7 +149,7 @@ def screen_heights(depth: float, period: float = 16e-6, samples: int = 64) -> "s
 
 def taylor() -> Pixels:
     """Return a shallow and a deep screen, exactly and by series of order 1, 2 and 5."""
-    view, lit = facing((240, 240), 0.1, 0.4), lamp((0.0, 0.0, 0.4), 1.0, 0.0005)
+    view, lit = facing((210, 210), 0.1, 0.4), lamp((0.0, 0.0, 0.4), 1.0, 0.0005)
     rows = []
     for depth in (20e-9, 180e-9):
         heights = screen_heights(depth)
