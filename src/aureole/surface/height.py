@@ -245,8 +245,17 @@ def taylor_order(
         Where even order 60 does not serve; the exact method does.
     """
     refuse.positive("tolerance", tolerance)
+    exact, phase = (
+        order_powers(field, wavelength, "exact", cosines=cosines),
+        phases(field, wavelength, cosines),
+    )
+    term = np.ones(phase.shape, np.complex128)
+    total = term.copy()
     for order in range(1, HIGHEST_ORDER + 1):
-        if taylor_error(field, wavelength, order, cosines) <= tolerance:
+        term *= 1j * phase / order
+        total += term
+        spectrum = fft.fft2(total, norm="forward", workers=2)
+        if float(np.abs(spectrum.real**2 + spectrum.imag**2 - exact).sum()) <= tolerance:
             return order
     raise refuse.Refusal(
         f"A Taylor series of order {HIGHEST_ORDER} is still off by more than {tolerance:g}; "

@@ -218,6 +218,7 @@ def table_from_height_stages(
     planes = np.zeros((3, b.shape[1], t.shape[1]))
     for done in spread(powers, mixture, field.pixel, quadrature, (t, b), coherence, planes):
         yield Stage(0.1 + 0.85 * done, "adding wavelengths")
+    yield Stage(0.95, "judging the series")
     metadata: dict[str, Any] = {"heights": field.name, "method": method, "wavelengths": quadrature[0].size}
     if zero_order == "specular":
         metadata["zero_order_energy"] = tuple(float(part) for part in specular)

@@ -179,6 +179,7 @@ def taylor_tables_stages(
         for done in add_lobes(powers[power : power + 1], wanted, weights, where, planes[power]):
             yield Stage(0.95 * (power + done) / count, f"adding wavelengths of table {power + 1} of {count}")
     values = np.moveaxis(planes, 1, -1)
+    yield Stage(0.95, "judging the series")
     metadata: dict[str, Any] = {"heights": field.name, "method": "taylor", "wavelengths": quadrature[0].size}
     metadata |= series_facts(field, float(quadrature[0].min()), "taylor", order, 2.0)
     whole = np.tensordot(2.0 ** np.arange(count), values, axes=1)
