@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from aureole import refuse, surface
+from aureole import picture, refuse, surface
+from aureole.records import Picture
 from aureole.surface.environment import Environment, directions
 from aureole.surface.surroundings import facets, shrunk
 from aureole.surface.table import axis, energy
@@ -169,6 +170,43 @@ def test_smaller_copies_keep_the_light():
     np.testing.assert_allclose(
         fewer @ small.mean(axis=1), solid @ radiance.mean(axis=1, dtype=np.float64), rtol=2e-2
     )
+
+
+def test_a_turned_room_looks_the_same_to_a_sample_that_turns_with_it():
+    room = surface.lamps_and_windows(32)
+    cosine, sine = np.cos(np.pi / 8), np.sin(np.pi / 8)
+    about_up = np.array([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]])
+    # By four columns of sixty-four, to the right or to the left.
+    assert any(
+        np.array_equal(surface.rotated(room, about_up).radiance, np.roll(room.radiance, shift, axis=1))
+        for shift in (4, -4)
+    )
+    axes = surface.frame_of((0.3, 0.8, -0.4), (1, 0.2, 0.1), 0.7)
+    seen = seen_from([[0.0, 0.0]])
+    turned = seen_from([[0.0, 0.0]], FRAME @ axes)
+    first = surface.irradiance(seen, room)
+    np.testing.assert_allclose(surface.irradiance(turned, surface.rotated(room, axes)), first, rtol=0.02)
+    with pytest.raises(refuse.Refusal, match="right-handed"):
+        surface.rotated(room, np.diag([1.0, 1.0, -1.0]))
+
+
+@pytest.mark.parametrize("suffix", ["exr", "hdr"])
+def test_a_latitude_longitude_file_is_light_from_all_around(tmp_path, suffix):
+    room = surface.lamps_and_windows(16)
+    path = tmp_path / f"room.{suffix}"
+    picture.write(path, Picture(room.radiance))
+    read = surface.environment_from_picture(picture.read(path))
+    np.testing.assert_allclose(read.radiance, room.radiance, rtol=0.02, atol=0.02)
+    assert read.colour_space == "rec709"
+
+
+def test_pictures_that_are_no_light_from_all_around_are_refused():
+    with pytest.raises(refuse.Refusal, match="twice as wide as high, got 30 x 20"):
+        surface.environment_from_picture(Picture(np.ones((20, 30, 3), dtype=np.float32)))
+    broken = np.ones((16, 32, 3), dtype=np.float32)
+    broken[3, 4] = np.nan
+    with pytest.raises(refuse.Refusal, match="picture"):
+        surface.environment_from_picture(Picture(broken))
 
 
 def test_wrong_arguments_are_refused():

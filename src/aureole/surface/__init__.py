@@ -96,6 +96,7 @@ from aureole.surface.environment import (
     frame_of,
     hemisphere,
     reflect,
+    rotated,
 )
 from aureole.surface.export_gltf import gltf_extras, write_gltf
 from aureole.surface.export_web import WebView, web_view, write_glsl, write_page
@@ -280,6 +281,7 @@ __all__ = [
     "render_stages",
     "rgb",
     "richardson_lucy",
+    "rotated",
     "scatter_table",
     "schlick",
     "see",

@@ -26,6 +26,7 @@ from aureole.surface.resampling import on_even_steps
 from aureole.surface.table import ScatterTable, rgb
 
 MARGIN = 3  # samples of a plane beyond the disc, which the laying out of light reaches
+TURNED_PARTS = 4  # of each pixel along a side, where light is turned
 SAMPLES_AT_ONCE = 2_000_000
 FOUR_PI_SQUARED = 4 * np.pi**2
 Weight = Callable[[int, float], NDArray[np.float64]]
@@ -370,6 +371,48 @@ def in_space(environment: Environment, colour_space: str) -> Environment:
         return environment
     picture = light.convert(Picture(environment.radiance, environment.colour_space), colour_space)
     return Environment(picture.pixels, colour_space, environment.name)
+
+
+def rotated(environment: Environment, axes: ArrayLike) -> Environment:
+    """Turn light from all around.
+
+    Parameters
+    ----------
+    environment : Environment
+        The light.
+    axes : array_like, shape (3, 3)
+        Where its own x, y and z axis come to lie in the world, a row each: at right angles, right-handed.
+
+    Returns
+    -------
+    Environment
+        Each pixel the mean of what lies behind sixteen even parts of it; a turn about y by whole columns
+        is exact.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the axes are not as described.
+    """
+    turn = frame_checked(axes)
+    if np.linalg.det(turn) < 0:
+        raise refuse.Refusal("'axes' must be right-handed: a turn does not mirror light.")
+    rows, columns = environment.radiance.shape[:2]
+    row, column = (np.arange(TURNED_PARTS * count) + 0.5 for count in (rows, columns))
+    latitude = np.pi / 2 - np.pi * row / (TURNED_PARTS * rows)
+    longitude = 2 * np.pi * column / (TURNED_PARTS * columns) - np.pi
+    found = np.zeros(environment.radiance.shape)
+    for part in range(TURNED_PARTS):
+        up = latitude[part::TURNED_PARTS, None]
+        along = np.broadcast_arrays(
+            np.cos(up) * np.sin(longitude), np.sin(up), -np.cos(up) * np.cos(longitude)
+        )
+        x, y, z = np.tensordot(turn, np.stack(along), axes=1)
+        i = (np.arccos(np.clip(y, -1, 1)) / np.pi * rows).astype(np.int64)
+        j = ((np.arctan2(x, -z) / (2 * np.pi) + 0.5) * columns).astype(np.int64)
+        seen = environment.radiance[np.minimum(i, rows - 1), j % columns]
+        found += seen.reshape(rows, columns, TURNED_PARTS, 3).mean(axis=2) / TURNED_PARTS
+    return Environment(found.astype(np.float32), environment.colour_space, environment.name)
 
 
 def frame_of(normal: ArrayLike, tangent: ArrayLike, turn: float = 0.0) -> NDArray[np.float64]:
