@@ -223,7 +223,7 @@ def about_normal(count: int, seed: int = 6) -> NDArray[np.float64]:
     ndarray of float64, shape (count, 2)
         Direction cosines.
     """
-    return np.sin(FIELD / 2) * np.random.default_rng(seed).uniform(-1, 1, (count, 2))
+    return np.asarray(np.sin(FIELD / 2) * np.random.default_rng(seed).uniform(-1, 1, (count, 2)))
 
 
 def _errors(found: NDArray[np.floating], exact: NDArray[np.float64], has_normal: bool) -> dict[str, float]:
