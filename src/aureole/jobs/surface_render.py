@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import light, picture, refuse, surface
+from aureole import light, refuse, surface
 from aureole.jobs.frames import AnimationResult, Frame, Frames, FramesResult, digest, frame_stages
 from aureole.records import Picture, Stage
 
 ABOUT = ("turn", "tilt", "spin")
-# Percentile of the lit pixels' luminance, what it is shown as, and the most stops for it.
-EXPOSURE = (95.0, 0.5, 40.0)
+# Percentiles of the lit pixels' luminance, what their geometric mean is shown as, and the most stops for it.
+# Orders may be most of a picture or a few of its pixels, and are far brighter than what is matt.
+PERCENTILES, SHOWN, MOST_STOPS = (95.0, 99.9), 0.5, 40.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,7 +268,12 @@ def render_exposure(drawn: Picture) -> float:
     float
         Stops.
     """
-    return float(picture.auto_exposure(drawn, *EXPOSURE))
+    luminance = light.convert(drawn, "xyz").pixels[..., 1]
+    lit = luminance[luminance > 0]
+    if lit.size == 0:
+        return 0.0
+    stops = math.log2(SHOWN) - float(np.log2(np.percentile(lit, PERCENTILES)).mean())
+    return min(max(stops, -MOST_STOPS), MOST_STOPS)
 
 
 def description(job: SurfaceTurnJob) -> str:
