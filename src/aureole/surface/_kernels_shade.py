@@ -77,7 +77,7 @@ def _directions(frames, b, lamps, k, w):  # type: ignore[no-untyped-def]
 def _places(w, row, half_range, power, size):  # type: ignore[no-untyped-def]
     """Fill a block's places among a table's samples: its columns where row is 0, else its rows.
 
-    The odd root of |h| / half_range starts from the exponent's bits divided and takes Newton's steps.
+    The odd root of |h| / half_range starts from the exponent's bits divided and takes Halley's steps.
     """
     bits, source, target = w.view(np.int32), HT + row, COLUMN + row
     # Columns run along the tangent, rows against the bitangent.
@@ -91,14 +91,16 @@ def _places(w, row, half_range, power, size):  # type: ignore[no-untyped-def]
             w[TARGET + j] = w[target + j]
         for j in range(LANES):
             bits[target + j] = np.int32(np.float32(bits[TARGET + j]) * inverse + bias)
-        for _ in range(3):
+        more, less = np.float32(power + 1), np.float32(power - 1)
+        for _ in range(2):
             for j in range(LANES):
                 w[ROOM + j] = w[target + j]
-            for _ in range(power - 2):
+            for _ in range(power - 1):
                 for j in range(LANES):
                     w[ROOM + j] *= w[target + j]
             for j in range(LANES):
-                w[target + j] += (w[TARGET + j] / w[ROOM + j] - w[target + j]) * inverse
+                here, wanted = w[ROOM + j], w[TARGET + j]
+                w[target + j] *= (less * here + more * wanted) / (more * here + less * wanted)
     for j in range(LANES):
         place = w[target + j]
         w[target + j] = middle * (ONE + (place if sign * w[source + j] > ZERO else -place))
