@@ -1,9 +1,11 @@
 """Running the jobs of diffractive surfaces: tables and pictures, each written whole."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from aureole import jobs, picture, refuse, surface
 from aureole.cli import output
@@ -116,7 +118,7 @@ class PictureFiles:
         """Write a picture as its format wants it."""
         attributes = {} if words is None else {"ImageDescription": picture.Attribute("string", words)}
         if picture.format_of(path) in SHOWN:
-            output.write_display(path, picture.to_display(drawn, exposure=stops), attributes)
+            output.write_display(path, picture.to_display(_on_screen(drawn), exposure=stops), attributes)
             return
         told = picture.with_attributes(drawn, attributes) if attributes else drawn
         output.write(path, told, output.pixel_type_for(path, "auto"))
@@ -142,7 +144,7 @@ def still(job: jobs.SurfaceRenderJob, files: PictureFiles, as_json: bool) -> Non
     stops = result.report["exposure_stops"]
     files.write(files.out, result.picture, stops)
     if files.preview is not None:
-        output.write_display(files.preview, picture.to_display(result.picture, exposure=stops))
+        output.write_display(files.preview, picture.to_display(_on_screen(result.picture), exposure=stops))
     output.report("render", result.report, written, as_json, time.perf_counter() - start)
 
 
@@ -190,3 +192,8 @@ def turntable(
         shown = picture.to_display(result.contact_sheet, exposure=exposure())
         output.write_display(moving.contact_sheet, shown)
     made.tell("render", result.report, written, as_json, time.perf_counter() - start)
+
+
+def _on_screen(drawn: Picture) -> Picture:
+    """Cut off the negative parts of spectral colours, whose luminance would draw a line through violet."""
+    return replace(drawn, pixels=np.maximum(drawn.pixels, np.float32(0.0)))
