@@ -271,6 +271,7 @@ BAD = {
     ),
     "unknown preset": ([*TABLE, "--grating", "cdd", "-o", "out.npz"], "Did you mean 'cd'?"),
     "no output": ([*TABLE, "--grating", "cd"], "'output' is missing"),
+    "orders and a table": ([*TABLE, "--grating", "cd", "--orders", "-o", "out.npz"], "leave 'output' out"),
     "table's suffix": ([*TABLE, "--grating", "cd", "-o", "out.png"], "must be one of '.exr', '.pfm', '.npz'"),
     "slits without a unit": ([*TABLE, "--slits", "1,2,3", "-o", "out.npz"], "needs a unit"),
     "slits wider than apart": ([*TABLE, "--slits", "3um,2um,5", "-o", "out.npz"], "no wider than"),

@@ -49,7 +49,7 @@ Orders = Annotated[
     bool,
     typer.Option(
         "--orders",
-        help="Print where the grating's orders go at --incidence and --wavelength; no table is needed then.",
+        help="Print where the grating's orders go at --incidence and --wavelength; no table is written then.",
         rich_help_panel="Orders",
     ),
 ]
@@ -119,16 +119,15 @@ def table(
     """
     made, facts, notes = source.source()
     if orders:
+        if out is not None:
+            raise refuse.Refusal("'orders' prints and writes no table; leave 'output' out.")
         _print_orders(made, incidence, wavelength, as_json)
-        if out is None:
-            return
+        return
     if out is None:
         raise refuse.Refusal("'output' is missing: -o cd.exr writes a table; --orders needs none.")
     refuse.one_of("colour-space", colour_space, light.SPACES)
     job = jobs.SurfaceTableJob(made, illuminant, **form.form(), **source.how(), facts=facts, notes=notes)
-    surface_runs.table(
-        job, surface_runs.TableFiles(out, preview, preview_range, colour_space), as_json and not orders
-    )
+    surface_runs.table(job, surface_runs.TableFiles(out, preview, preview_range, colour_space), as_json)
 
 
 @app.command()
