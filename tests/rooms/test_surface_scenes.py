@@ -62,7 +62,10 @@ def test_lamps_of_other_spectra_have_their_own_tables_and_colours():
     ("share", "metadata"),
     [
         (0.3, {"zero_order_energy": (0.3 * 1.0985, 0.3, 0.3 * 0.3558)}),
-        (0.2, {"zero_order_energy": 0.2 / (4 * np.pi**2), "zero_order_width": 0.06 * np.sqrt(2)}),
+        (
+            0.2,
+            {"zero_order_energy": (0.2 * 1.0985, 0.2, 0.2 * 0.3558), "zero_order_width": 0.06 * np.sqrt(2)},
+        ),
     ],
 )
 @pytest.mark.parametrize("f0", [1.0, 0.6])

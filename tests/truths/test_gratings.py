@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from aureole import surface
+from aureole import light, surface
 from aureole.surface.height import order_powers
 from aureole.surface.table import cells, energy
 
@@ -137,6 +137,17 @@ def test_what_is_left_out_as_specular_is_said(source):
     lost = 4 * np.pi**2 * (energy(kept) - energy(cut))
     np.testing.assert_allclose(lost, cut.metadata["zero_order_energy"], rtol=1e-5)
     np.testing.assert_allclose(lost / lost[1], kept.white, rtol=0.01)
+
+
+def test_the_width_of_what_is_left_out_is_the_orders_own():
+    """Where a Gaussian of that width has half its height, the order of one wavelength has half of its own."""
+    lines = surface.Lines(25e-6, 15e-6, 9)
+    net = surface.crossed_grating(lines, lines)
+    line = light.line(555e-9)
+    cut = surface.table_from_grating(net, line, size=101, warp=1, zero_order="specular")
+    half = cut.metadata["zero_order_width"] * np.sqrt(2 * np.log(2))
+    heights = lines.density([0.0, half, -half], 555e-9)
+    np.testing.assert_allclose(heights[1:], 0.5 * heights[0], rtol=0.01)
 
 
 def test_a_table_is_that_of_the_formula():

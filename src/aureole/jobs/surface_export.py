@@ -129,7 +129,7 @@ def export(asked: SurfaceExport) -> dict[str, Any]:
     table, shape = asked.scene.table, asked.scene.shape
     told: dict[str, Any] = {"target": asked.target}
     if asked.target == "web":
-        view = surface.web_view(_scene(asked.scene), shape)
+        view = surface.web_view(_scene(asked.scene), shape, table=table)
         surface.write_page(asked.path, table, view, asked.title, asked.size)
         return told | {"open": asked.path.resolve().as_uri()}
     if asked.target == "mitsuba":

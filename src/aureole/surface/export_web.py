@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from aureole import refuse
 from aureole.picture import whole_file
-from aureole.surface.material import GEOMETRY, Material, schlick, shader_numbers
+from aureole.surface.material import GEOMETRY, Material, material_of, schlick, shader_numbers
 from aureole.surface.scene import Scene
 from aureole.surface.shapes import Cylinder, Disc, Mesh, Plane, Shape
 from aureole.surface.table import ScatterTable, rgb
@@ -117,7 +117,13 @@ class WebView:
     samples: int = 2
 
 
-def web_view(scene: Scene, shape: Shape, exposure: float | None = None, samples: int = 2) -> WebView:
+def web_view(
+    scene: Scene,
+    shape: Shape,
+    exposure: float | None = None,
+    samples: int = 2,
+    table: ScatterTable | None = None,
+) -> WebView:
     """Return the page's view of a scene that `render` draws.
 
     Parameters
@@ -130,6 +136,8 @@ def web_view(scene: Scene, shape: Shape, exposure: float | None = None, samples:
         Stops; None leaves it to the page.
     samples : int
         Samples a pixel along each axis, 1..4.
+    table : ScatterTable or None
+        What the page will show; it says the material where the scene does not (`material_of`).
 
     Returns
     -------
@@ -146,8 +154,13 @@ def web_view(scene: Scene, shape: Shape, exposure: float | None = None, samples:
         raise refuse.Refusal("'lamps' must be one lamp that shines all ways alike, for a page.")
     if scene.mask is not None or scene.regions is not None or not scene.view.perspective:
         raise refuse.Refusal("A page has a view in perspective, and neither 'mask' nor 'regions'.")
+    for name in ("groups", "environment", "angles", "lens"):
+        if getattr(scene, name) not in (None, ()):
+            raise refuse.Refusal(f"'{name}' is nothing that a page can show.")
     view, lamp = scene.view, scene.lamps[0]
-    material = Material() if scene.material is None else scene.material
+    material = scene.material
+    if material is None:
+        material = Material() if table is None else material_of(table)
     shader_numbers(material)
     # The page's axes are the picture's: right, up, and toward the eye.
     up = float(np.linalg.norm(view.up))

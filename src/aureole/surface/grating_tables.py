@@ -35,6 +35,8 @@ MOST_WAVELENGTHS = 801
 # What a sample takes while a table is made: three channels, the plane of one, and distances of rings.
 TABLE_BYTES = 64
 SHORTEST, LONGEST = 380e-9, 780e-9
+# The Gaussian that is as wide as an order at half its height, over λ / (N d): 0.886 / √(8 ln 2).
+ORDER_DEVIATION = 0.3762
 # Rings are integrated over this many distances, which is finer than any table's cells.
 DISTANCES = 8192
 
@@ -137,6 +139,7 @@ def table_from_grating_stages(
     metadata: dict[str, Any] = {"grating": lines.name, "wavelengths": int(quadrature[0].size)}
     if zero_order == "specular":
         metadata["zero_order_energy"] = _zero_order(lines, quadrature, cosines)
+        metadata["zero_order_width"] = _zero_order_width(lines, quadrature)
     white = light.white(lamp)
     table = scatter_table(values, white, half_range, warp, lamp.name, "function", zero_order, metadata)
     yield Stage(1.0, "table", table)
@@ -231,6 +234,18 @@ def _rings(
         near = np.interp(radius, places, cloud[:, channel], right=0.0) / (4.0 * np.pi**2)
         values[..., channel] = light_in / (high - low) * ring + near
     return values
+
+
+def _zero_order_width(lines: Grating, quadrature: Light) -> float:
+    """Return the deviation of h along an axis: of the Gaussian that is as wide as an order at half height."""
+    wavelength = float(quadrature[0] @ quadrature[1][:, 1] / quadrature[1][:, 1].sum())
+    along = ORDER_DEVIATION * wavelength / (lines.along.count * lines.along.period)
+    across = lines.spread
+    if lines.across is not None:
+        across = ORDER_DEVIATION * wavelength / (lines.across.count * lines.across.period)
+    elif lines.radial:
+        across = along
+    return math.sqrt(0.5 * (along**2 + across**2))
 
 
 def _zero_order(lines: Grating, quadrature: Light, cosines: float) -> tuple[float, float, float]:

@@ -222,6 +222,8 @@ def table_from_height_stages(
     metadata: dict[str, Any] = {"heights": field.name, "method": method, "wavelengths": quadrature[0].size}
     if zero_order == "specular":
         metadata["zero_order_energy"] = tuple(float(part) for part in specular)
+        mean = float(quadrature[0] @ quadrature[1][:, 1] / quadrature[1][:, 1].sum())
+        metadata["zero_order_width"] = lobe_deviation(mean, coherence)
     metadata |= series_facts(field, float(quadrature[0].min()), method, order, cosines)
     values, white = np.moveaxis(planes, 0, -1), light.white(lamp)
     table = scatter_table(values, white, half_range, warp, lamp.name, "function", zero_order, metadata)

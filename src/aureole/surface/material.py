@@ -105,8 +105,10 @@ def conductor(index: ArrayLike, absorption: ArrayLike) -> NDArray[np.float32]:
 def material_of(table: ScatterTable, material: Material | None = None, roughness: float = 0.02) -> Material:
     """Give a material the mirror-like lobe that a table has left out.
 
-    A table whose `zero_order` is "specular" says how much light its order at h = 0 holds. As a lobe that
-    light keeps the lamp's colour, where scaled with the wavelength it would not.
+    A table whose `zero_order` is "specular" says in its metadata how much light its order at h = 0 holds
+    ("zero_order_energy": shares in X, Y and Z) and how wide it is ("zero_order_width": the root mean square
+    of one component of h). As a lobe that light keeps the lamp's colour, where scaled with the wavelength it
+    would not.
 
     Parameters
     ----------
@@ -135,11 +137,12 @@ def material_of(table: ScatterTable, material: Material | None = None, roughness
         raise refuse.Refusal(
             "The table's metadata must say its 'zero_order_energy' where its zero order is specular."
         )
-    energy = refuse.all_finite("zero_order_energy", table.metadata["zero_order_energy"])
+    share = refuse.shape_of("zero_order_energy", table.metadata["zero_order_energy"], (3,)).astype(np.float64)
     white = np.asarray(table.white, dtype=np.float64)
-    # One number is of S itself, in every channel alike; three are shares of the light in X, Y and Z.
-    share = 4.0 * np.pi**2 * float(energy) * white if energy.ndim == 0 else energy.astype(np.float64)
-    colour = np.maximum(light.from_xyz(share, "rec709", neutral_white(white, "rec709")), 0.0)
+    colour = light.from_xyz(
+        refuse.all_finite("zero_order_energy", share), "rec709", neutral_white(white, "rec709")
+    )
+    colour = np.maximum(colour, 0.0)
     normal = 1.0 if given.fresnel is None else np.asarray(given.fresnel)[-1]
     # A facet of slope m about the mirror's has h twice as far out; each component spreads by m / √2.
     width = float(table.metadata.get("zero_order_width", 0.0)) / np.sqrt(2.0)

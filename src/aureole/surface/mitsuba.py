@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import refuse
-from aureole.surface.material import Material, shader_numbers
+from aureole.surface.material import Material, material_of, shader_numbers
 from aureole.surface.mitsuba_lobes import Kept, Lobes, SpectralLobes, kept_patterns
 from aureole.surface.pattern import DiffractionPattern
 from aureole.surface.table import MODELS, ScatterTable
@@ -163,8 +163,8 @@ def bsdf(
     table : ScatterTable, DiffractionPattern or sequence of DiffractionPattern
         What the surface scatters.
     material : Material or None
-        The rest of it; None only diffracts. Colours are linear Rec.709; where light has wavelengths, they
-        are taken at 620, 550 and 450 nm and linearly between.
+        The rest of it; None only diffracts (`material_of` its table). Colours are linear Rec.709; where
+        light has wavelengths, they are taken at 620, 550 and 450 nm and linearly between.
     model : {"phase", "amplitude", "paper"}
         Power of the wavelength for patterns, as in `table_from_pattern`.
 
@@ -178,7 +178,9 @@ def bsdf(
     refuse.Refusal
         Where the material is not as described or the model unknown.
     """
-    made = Material() if material is None else material
+    made = material
+    if made is None:
+        made = material_of(table) if isinstance(table, ScatterTable) else Material()
     shader_numbers(made)
     if isinstance(table, ScatterTable):
         kept = Kept(table, made)
