@@ -36,7 +36,7 @@ from aureole.surface._kernels_cast import (
 
 # Rows of a block of results: light, cosines to lamp and eye, of half the angle between them, h along tangent
 # and bitangent, weights of Cook-Torrance and diffraction, places among a table's columns and rows, and room.
-LIGHT, NI, NO, HALF_COSINE, HT, HB, LOBE, GAIN, COLUMN, ROW, ROOM, TARGET = range(0, 12 * LANES, LANES)
+LIGHT, NI, NO, HALF_COSINE, HT, HB, LOBE, GAIN, COLUMN, ROW, ROOM, TARGET, ROOT = range(0, 13 * LANES, LANES)
 ONE, ZERO, HALF, TWO = np.float32(1.0), np.float32(0.0), np.float32(0.5), np.float32(2.0)
 FOUR_PI = np.float32(4.0 * math.pi)
 _FAINT = np.float32(30.0)  # e to minus this is nothing
@@ -74,36 +74,49 @@ def _directions(frames, b, lamps, k, w):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
-def _places(w, row, half_range, power, size):  # type: ignore[no-untyped-def]
-    """Fill a block's places among a table's samples: its columns where row is 0, else its rows.
+def _odd_roots(w, power):  # type: ignore[no-untyped-def]
+    """Fill a block's ROOT with the odd roots of TARGET, which lies above 0 and at most at 1.
 
-    The odd root of |h| / half_range starts from the exponent's bits divided and takes Halley's steps.
+    They start from the exponent's bits divided by the power and take Halley's steps.
     """
-    bits, source, target = w.view(np.int32), HT + row, COLUMN + row
-    # Columns run along the tangent, rows against the bitangent.
-    sign = ONE if row == 0 else -ONE
-    scale, inverse = ONE / half_range, ONE / np.float32(power)
-    bias, middle = np.float32(_BITS) - np.float32(_BITS) * inverse, HALF * np.float32(size - 1)
+    bits = w.view(np.int32)
+    inverse = ONE / np.float32(power)
+    bias = np.float32(_BITS) - np.float32(_BITS) * inverse
+    more, less = np.float32(power + 1), np.float32(power - 1)
     for j in range(LANES):
-        w[target + j] = max(min(abs(w[source + j]) * scale, ONE), _LEAST)
+        bits[ROOT + j] = np.int32(np.float32(bits[TARGET + j]) * inverse + bias)
+    for _ in range(2):
+        for j in range(LANES):
+            w[ROOM + j] = w[ROOT + j]
+        for _ in range(power - 1):
+            for j in range(LANES):
+                w[ROOM + j] *= w[ROOT + j]
+        for j in range(LANES):
+            here, wanted = w[ROOM + j], w[TARGET + j]
+            w[ROOT + j] *= (less * here + more * wanted) / (more * here + less * wanted)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
+def _places(w, half_range, power, rows, columns):  # type: ignore[no-untyped-def]
+    """Fill a block's places among a table's samples: columns along the tangent, rows against the bitangent.
+
+    All rows of a block that are read and written have fixed places, so that lanes go together.
+    """
+    scale = ONE / half_range
+    middle = HALF * np.float32(columns - 1)
+    for j in range(LANES):
+        w[TARGET + j] = w[ROOT + j] = max(min(abs(w[HT + j]) * scale, ONE), _LEAST)
     if power > 1:
-        for j in range(LANES):
-            w[TARGET + j] = w[target + j]
-        for j in range(LANES):
-            bits[target + j] = np.int32(np.float32(bits[TARGET + j]) * inverse + bias)
-        more, less = np.float32(power + 1), np.float32(power - 1)
-        for _ in range(2):
-            for j in range(LANES):
-                w[ROOM + j] = w[target + j]
-            for _ in range(power - 1):
-                for j in range(LANES):
-                    w[ROOM + j] *= w[target + j]
-            for j in range(LANES):
-                here, wanted = w[ROOM + j], w[TARGET + j]
-                w[target + j] *= (less * here + more * wanted) / (more * here + less * wanted)
+        _odd_roots(w, power)
     for j in range(LANES):
-        place = w[target + j]
-        w[target + j] = middle * (ONE + (place if sign * w[source + j] > ZERO else -place))
+        w[COLUMN + j] = middle * (ONE + (w[ROOT + j] if w[HT + j] > ZERO else -w[ROOT + j]))
+    middle = HALF * np.float32(rows - 1)
+    for j in range(LANES):
+        w[TARGET + j] = w[ROOT + j] = max(min(abs(w[HB + j]) * scale, ONE), _LEAST)
+    if power > 1:
+        _odd_roots(w, power)
+    for j in range(LANES):
+        w[ROW + j] = middle * (ONE + (w[ROOT + j] if w[HB + j] < ZERO else -w[ROOT + j]))
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
@@ -153,15 +166,14 @@ def _pixel(values, right, up):  # type: ignore[no-untyped-def]
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract"})
 def shade(frames, where, share, lamps, tables, warp, regions, mask, numbers, fresnel, out):  # type: ignore[no-untyped-def]
     """Add the radiance of frames (B, 17 · 64), times a share, to the pixels `where` (N,) of out (P, 4)."""
-    w = np.empty(12 * LANES, np.float32)
+    w = np.empty(13 * LANES, np.float32)
     last_row, last_column, last_cosine = tables.shape[1] - 2, tables.shape[2] - 2, fresnel.shape[0] - 2
     maps = mask.size + regions.size > 2
     for k in range(lamps.shape[0]):
         first = int(lamps[k, 10])
         for b in range((where.size + LANES - 1) // LANES):
             _directions(frames, b, lamps, k, w)
-            for axis in range(2):
-                _places(w, axis * LANES, numbers[12], warp, tables.shape[2 - axis])
+            _places(w, numbers[12], warp, tables.shape[1], tables.shape[2])
             _weights(w, numbers)
             for j in range(min(LANES, where.size - b * LANES)):
                 if w[LIGHT + j] <= ZERO:
