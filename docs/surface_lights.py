@@ -69,7 +69,7 @@ def lamps() -> Pixels:
 def hero() -> Pixels:
     """Return a compact disc in a hall."""
     table = surface.table_from_grating("cd", size=1024)
-    view = surface.view_from((0.0, -0.03, 0.30), (0.0, -0.002, 0.0), (440, 840), np.radians(20))
+    view = surface.view_from((0.0, -0.03, 0.30), (0.0, -0.002, 0.0), (440, 840), np.radians(21))
     pose = surface.pose_of(tilt=np.radians(-28.0), turn=np.radians(-12.0))
     seen = surface.see(COMPACT_DISC, view, pose)
     around = surface.environment_light(seen, table, hall(), 1536)

@@ -253,3 +253,17 @@ def test_a_picture_of_a_flat_sheet_shows_its_albedo_in_white_light():
     np.testing.assert_allclose(cells[on], exact[on], rtol=0.03)
     half, _ = drawn(surface.Plane(0.1, 0.1), mask=np.full((1, 1), 0.5))
     np.testing.assert_allclose(half, 0.5 * exact, rtol=1e-5, atol=1e-7)
+
+
+def test_a_pixels_samples_share_one_lobe_where_they_are_seen():
+    """Finer samples change how much of a pixel is covered, hardly the light of those wholly covered."""
+    shape, view = surface.Disc(0.1, 0.02), surface.view_from((0.0, 0.06, 0.3), shape=(24, 32))
+    scene = surface.Scene((), view, environment=white())
+    coarse, fine = (surface.render(scene, lobes(257, 0.2), shape, samples).pixels for samples in (1, 3))
+    inside = fine[..., 3] > 0.999
+    assert inside.any()
+    np.testing.assert_allclose(fine[inside], coarse[inside], rtol=1e-4)
+    # Light is associated with coverage.
+    rim = (fine[..., 3] > 0) & ~inside
+    light, whole = fine[rim, 1] / fine[rim, 3], fine[inside, 1]
+    assert 0.9 * whole.min() < light.min() <= light.max() < 1.1 * whole.max()

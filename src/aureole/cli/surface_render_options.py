@@ -216,12 +216,11 @@ class LightFlags:
         int,
         typer.Option(
             "--environment-samples",
-            help="Parts that the table is cut into for it, on objects that are not flat: more are "
-            "smoother, and "
-            "slower.",
+            help="Parts that the table is cut into for it, on objects that are not flat: more are smoother, "
+            "and slower.",
             rich_help_panel=LIGHTS,
         ),
-    ] = 256
+    ] = 1024
 
     def around(self) -> surface.Environment | None:
         """Return the light from all around."""

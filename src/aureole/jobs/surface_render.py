@@ -61,7 +61,7 @@ class SurfaceRenderJob:
     view: surface.View
     material: surface.Material = field(default_factory=surface.Material)
     environment: surface.Environment | None = None
-    environment_samples: int = 512
+    environment_samples: int = 1024
     tilt: float = 0.0
     turn: float = 0.0
     spin: float = 0.0

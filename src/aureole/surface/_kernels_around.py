@@ -13,6 +13,9 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
+ONE, ZERO, HALF = np.float32(1.0), np.float32(0.0), np.float32(0.5)
+_LOWEST, _RIM = np.float32(0.05), np.float32(0.9999)
+
 
 @njit(cache=True, nogil=True, parallel=True)
 def blur(radiance: NDArray[np.float32], sigma: float, out: NDArray[np.float32]) -> None:
@@ -63,44 +66,64 @@ def blur(radiance: NDArray[np.float32], sigma: float, out: NDArray[np.float32]) 
             out[i, j, 0], out[i, j, 1], out[i, j, 2] = red / total, green / total, blue / total
 
 
-@njit(cache=True, nogil=True, inline="always")
-def _read(texels, start, size, u, v, k):  # type: ignore[no-untyped-def]
-    """Return channel k of a copy at a place of its square."""
-    x, y = 0.5 * (u + 1.0) * (size - 1), 0.5 * (v + 1.0) * (size - 1)
-    j, i = min(max(int(x), 0), size - 2), min(max(int(y), 0), size - 2)
-    x, y = x - j, y - i
-    at = start + i * size + j
-    upper = texels[at, k] + x * (texels[at + 1, k] - texels[at, k])
-    at += size
-    lower = texels[at, k] + x * (texels[at + 1, k] - texels[at, k])
-    return upper + y * (lower - upper)
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _read(texels, start, size, u, v):  # type: ignore[no-untyped-def]
+    """Return a copy's colour at a place of its square."""
+    x, y = HALF * (u + ONE) * (size - ONE), HALF * (v + ONE) * (size - ONE)
+    j, i = min(max(int(x), 0), int(size) - 2), min(max(int(y), 0), int(size) - 2)
+    x, y = x - np.float32(j), y - np.float32(i)
+    at = np.uintp(start + i * int(size) + j)
+    low = at + np.uintp(size)
+    next_at, next_low = at + np.uintp(1), low + np.uintp(1)
+    b11 = x * y
+    b10, b01 = y - b11, x - b11
+    b00 = ONE - x - b10
+    return (
+        b00 * texels[at, 0] + b01 * texels[next_at, 0] + b10 * texels[low, 0] + b11 * texels[next_low, 0],
+        b00 * texels[at, 1] + b01 * texels[next_at, 1] + b10 * texels[low, 1] + b11 * texels[next_low, 1],
+        b00 * texels[at, 2] + b01 * texels[next_at, 2] + b10 * texels[low, 2] + b11 * texels[next_low, 2],
+    )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _look(x, y, z, variance, level, texels, copies):  # type: ignore[no-untyped-def]
+    """Return the light from a direction, blurred by a Gaussian of a variance: two copies mixed to meet it.
+
+    Copies (K, 3) are where they start, their sizes and variances; none below `level` is wide enough.
+    """
+    share = ONE / (abs(x) + abs(y) + abs(z))
+    u, v = x * share, z * share
+    if y < ZERO:
+        u, v = math.copysign(ONE - abs(v), u), math.copysign(ONE - abs(u), v)
+    last = copies.shape[0] - 1
+    while level < last and variance >= copies[level + 1, 2]:
+        level += 1
+    red, green, blue = _read(texels, int(copies[level, 0]), np.float32(copies[level, 1]), u, v)
+    less = copies[level, 2]
+    if level < last and variance > less:
+        mix = np.float32((variance - less) / (copies[level + 1, 2] - less))
+        after = _read(texels, int(copies[level + 1, 0]), np.float32(copies[level + 1, 1]), u, v)
+        red, green = red + mix * (after[0] - red), green + mix * (after[1] - green)
+        blue += mix * (after[2] - blue)
+    return red, green, blue
 
 
 @njit(cache=True, nogil=True)
-def _look(x, y, z, variance, texels, sizes, starts, widths):  # type: ignore[no-untyped-def]
-    """Return the light from a direction, blurred by a Gaussian of a variance: two copies mixed to meet it."""
-    share = 1.0 / (abs(x) + abs(y) + abs(z))
-    u, v = x * share, z * share
-    if y < 0.0:
-        u, v = math.copysign(1.0 - abs(v), u), math.copysign(1.0 - abs(u), v)
-    last = sizes.size - 1
+def _copies(sizes, starts, widths):  # type: ignore[no-untyped-def]
+    """Return what `_look` reads of the copies, together."""
+    copies = np.empty((sizes.size, 3))
+    for k in range(sizes.size):
+        copies[k, 0], copies[k, 1], copies[k, 2] = starts[k], sizes[k], widths[k] * widths[k]
+    return copies
+
+
+@njit(cache=True, nogil=True)
+def _level(variance, copies):  # type: ignore[no-untyped-def]
+    """Return the widest copy that is no wider than a variance."""
     level = 0
-    while level < last and variance >= widths[level + 1] * widths[level + 1]:
+    while level < copies.shape[0] - 1 and variance >= copies[level + 1, 2]:
         level += 1
-    a, n = starts[level], sizes[level]
-    red, green, blue = (
-        _read(texels, a, n, u, v, 0),
-        _read(texels, a, n, u, v, 1),
-        _read(texels, a, n, u, v, 2),
-    )
-    less = widths[level] * widths[level]
-    if level < last and variance > less:
-        mix = (variance - less) / (widths[level + 1] * widths[level + 1] - less)
-        a, n = starts[level + 1], sizes[level + 1]
-        red += mix * (_read(texels, a, n, u, v, 0) - red)
-        green += mix * (_read(texels, a, n, u, v, 1) - green)
-        blue += mix * (_read(texels, a, n, u, v, 2) - blue)
-    return red, green, blue
+    return level
 
 
 @njit(cache=True, nogil=True)
@@ -157,33 +180,53 @@ def diffracted(
     Cells are (tables, count, 7); `which` (rows, columns) numbers the table of each frame.
     """
     columns, tables = frames.shape[1], cells.shape[0]
+    copies = _copies(sizes, starts, widths)
+    glossy = fresnel.min() < 1.0 or fresnel.max() > 1.0
     for i in prange(frames.shape[0]):
-        axes = np.empty((12, columns))
+        axes = np.empty((12, columns), np.float32)
         _axes_of(frames, i, axes)
-        out[i] = 0.0
+        seen = np.empty(columns, np.int64)
+        count = 0
+        for j in range(columns):
+            if axes[11, j] > ZERO:
+                seen[count] = j
+                count += 1
+        out[i] = ZERO
         # Neighbours look for the same cell into almost the same direction, which lies in the cache.
         for m in range(tables * cells.shape[1]):
             t, c = m % tables, m // tables
-            reach = 0.5 / max(cells[t, c, 3], np.float32(1e-12))
-            for j in range(columns):
+            ht, hb, wide = cells[t, c, 0], cells[t, c, 1], cells[t, c, 2]
+            reach = HALF / max(cells[t, c, 3], np.float32(1e-12))
+            level = _level(wide, copies)
+            for n in range(count):
+                j = seen[n]
                 ox, oy, oz = axes[9, j], axes[10, j], axes[11, j]
-                x, y = cells[t, c, 0] - ox, cells[t, c, 1] - oy
-                radius = math.sqrt(x * x + y * y)
-                # Of a cell across the horizon, the part above it counts.
-                above = min(0.5 + reach * (1.0 - radius), 1.0)
-                if oz <= 0.0 or above <= 0.0 or which[i, j] != t:
+                x, y = ht - ox, hb - oy
+                square = x * x + y * y
+                above = ONE
+                if reach * (math.sqrt(square) - ONE) > -HALF:
+                    # Of a cell across the horizon, the part above it counts.
+                    radius = math.sqrt(square)
+                    above = HALF + reach * (ONE - radius)
+                    if radius > _RIM:
+                        x, y, square = _RIM * x / radius, _RIM * y / radius, _RIM * _RIM
+                if above <= ZERO or which[i, j] != t:
                     continue
-                if radius > 0.9999:
-                    x, y, radius = 0.9999 * x / radius, 0.9999 * y / radius, 0.9999
-                z = math.sqrt(1.0 - radius * radius)
-                toward = _turned(axes, j, x, y, z)
-                variance = cells[t, c, 2] / max(z, 0.05)
-                light = _look(toward[0], toward[1], toward[2], variance, texels, sizes, starts, widths)
-                half = 0.5 * math.sqrt((x + ox) ** 2 + (y + oy) ** 2 + (z + oz) ** 2)
+                z = math.sqrt(ONE - square)
+                ahead, up, aside = _turned(axes, j, x, y, z)
+                light = _look(ahead, up, aside, wide / max(z, _LOWEST), level, texels, copies)
+                red, green, blue = above * light[0], above * light[1], above * light[2]
+                half = math.sqrt(max(HALF * (ONE + x * ox + y * oy + z * oz), ZERO))
+                if glossy:
+                    red *= _mirror(fresnel, half, 0) ** 2
+                    green *= _mirror(fresnel, half, 1) ** 2
+                    blue *= _mirror(fresnel, half, 2) ** 2
                 if stam:
-                    above *= half**4 / (max(z, 1e-3) * oz)
-                for k in range(3):
-                    out[i, j, k] += above * _mirror(fresnel, half, k) ** 2 * cells[t, c, 4 + k] * light[k]
+                    gain = half**4 / (max(z, np.float32(1e-3)) * oz)
+                    red, green, blue = red * gain, green * gain, blue * gain
+                out[i, j, 0] += cells[t, c, 4] * red
+                out[i, j, 1] += cells[t, c, 5] * green
+                out[i, j, 2] += cells[t, c, 6] * blue
 
 
 @njit(cache=True, nogil=True, parallel=True)
@@ -202,8 +245,9 @@ def mirrored(
     Cook and Torrance's lobe: each share of the facets weighs F G (m·ω_o) / ((n·ω_o) (n·m)).
     """
     columns = frames.shape[1]
+    copies = _copies(sizes, starts, widths)
     for i in prange(frames.shape[0]):
-        axes = np.empty((12, columns))
+        axes = np.empty((12, columns), np.float32)
         _axes_of(frames, i, axes)
         out[i] = 0.0
         for m in range(facets.shape[0]):
@@ -219,7 +263,7 @@ def mirrored(
                     continue
                 toward = _turned(axes, j, x, y, z)
                 variance = 2.0 * (1.0 + half * half) * mz**3 * facets[m, 2]
-                light = _look(toward[0], toward[1], toward[2], variance, texels, sizes, starts, widths)
+                light = _look(toward[0], toward[1], toward[2], variance, 0, texels, copies)
                 weight = facets[m, 3] * min(1.0, 2.0 * mz * min(z, oz) / half) * half / (oz * mz)
                 for k in range(3):
                     out[i, j, k] += weight * _mirror(fresnel, half, k) * light[k]

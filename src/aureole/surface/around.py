@@ -1,5 +1,7 @@
 """Light from all around in a picture: what every sample of a shape sends to the eye from its surroundings."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,7 +36,7 @@ class Around:
         self._reflections: tuple[EnvironmentReflection, ...] = ()
         self._frame, self._reflected = np.zeros((3, 3)), list[ReflectedLight]()
 
-    def __call__(self, seen: Seen, flat: bool) -> NDArray[np.float32]:
+    def __call__(self, seen: Seen, flat: bool, side: int = 1) -> NDArray[np.float32]:
         """Return what reaches the eye.
 
         Parameters
@@ -43,6 +45,8 @@ class Around:
             What is seen, tangents turned already.
         flat : bool
             Whether all samples have one normal and one tangent.
+        side : int
+            Samples along a pixel's side. Lobes are found for one of a pixel's samples and stand for all.
 
         Returns
         -------
@@ -58,12 +62,19 @@ class Around:
         if diffuse.any():
             out += diffuse / np.float32(np.pi) * irradiance(seen, self._blurred)
         if specular.any():
-            out += specular * mirror_light(seen, self._blurred, made_of.roughness, self._prepared.fresnel)
+            one, whole = _one_a_pixel(seen, side)
+            out += specular * whole(
+                mirror_light(one, self._blurred, made_of.roughness, self._prepared.fresnel)
+            )
         if made_of.diffraction > 0:
             row, column = map_places(seen.frames, self._prepared.mask)
             strength = np.float32(made_of.diffraction) * self._prepared.mask[row, column]
             plain = made_of.geometry == "one" and made_of.window is None
-            out += strength[..., None] * (self._of_flat(seen) if flat and plain else self._of_cells(seen))
+            if flat and plain:
+                out += strength[..., None] * self._of_flat(seen)
+            else:
+                one, whole = _one_a_pixel(seen, side if self._prepared.regions.size == 1 else 1)
+                out += strength[..., None] * whole(self._of_cells(one))
         return out
 
     def _of_cells(self, seen: Seen) -> NDArray[np.float32]:
@@ -110,6 +121,24 @@ class Around:
             self._frame = frame
             self._reflected = [reflection(self._light, frame) for reflection in self._reflections]
         return self._reflected
+
+
+def _one_a_pixel(seen: Seen, side: int) -> tuple[Seen, Callable[[NDArray[np.float32]], NDArray[np.float32]]]:
+    """Take one sample of each pixel, and say how its light becomes that of all that are seen."""
+    rows, columns, width = seen.frames.shape
+    if side == 1:
+        return seen, lambda light: light
+    blocks = seen.frames.reshape(rows // side, side, columns // side, side, width).swapaxes(1, 2)
+    blocks = blocks.reshape(rows // side, columns // side, side * side, width)
+    # The one in the middle where it is seen, else the first that is.
+    middle = (side // 2) * (side + 1)
+    number = np.where(blocks[:, :, middle, 0] > 0, middle, np.argmax(blocks[..., 0] > 0, axis=2))
+    taken = np.take_along_axis(blocks, number[:, :, None, None], axis=2)[:, :, 0]
+
+    def whole(light: NDArray[np.float32]) -> NDArray[np.float32]:
+        return light.repeat(side, axis=0).repeat(side, axis=1) * seen.hit[..., None]
+
+    return Seen(np.ascontiguousarray(taken)), whole
 
 
 def _orthonormal(frame: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -79,7 +79,7 @@ class Scene:
     angles: NDArray[np.floating] | None = None
     groups: tuple[tuple[tuple[Lamp, ...], Tables], ...] = ()
     environment: Environment | None = None
-    environment_samples: int = 512
+    environment_samples: int = 1024
     shadows: bool = True
     lens: ThinLens | None = None
 
@@ -195,7 +195,7 @@ def _drawer(
         seen = Seen(frames.reshape(seen.frames.shape))
         _add_lamps(lighting, seen, share, pixels[first:last])
         if around is not None:
-            lit = around(seen, even and prepared.angles is None)
+            lit = around(seen, even and prepared.angles is None, samples)
             mean = lit.reshape(last - first, samples, -1, samples, 3).mean(axis=(1, 3))
             pixels[first:last, :, :3] += np.float32(share) * mean
 
