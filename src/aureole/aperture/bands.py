@@ -15,7 +15,8 @@ def in_bands(work: Callable[[int, int], object], rows: int) -> None:
     Parameters
     ----------
     work : callable
-        Called with a first row and the row after the last; it must let other threads run.
+        Called with a first row and the row after the last; it must let other threads run. It must not itself
+        work in bands: all threads could then wait for each other.
     rows : int
         How many.
     """
