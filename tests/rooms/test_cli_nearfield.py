@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from aureole import Grid, Picture, aperture, diffraction, picture
-from aureole.cli import frames, near_options
+from aureole.cli import near_options
 from aureole.cli.main import run
+from aureole.jobs import frame_files
 
 WAVELENGTH = 550e-9
 SLIT = ["--aperture", "rectangle", "--width", "2mm", "--height", "1mm"]
@@ -406,11 +407,11 @@ def test_help_teaches_by_example(capsys):
 def test_numbered_files():
     from pathlib import Path
 
-    assert frames.frame(Path("a/ring.####.exr"), 7) == Path("a/ring.0007.exr")
-    assert frames.frame(Path("r#.png"), 123) == Path("r123.png")
-    assert frames.is_pattern(Path("a#/b.##.exr"))
-    assert not frames.is_pattern(Path("a#/b.exr"))
-    assert frames.numbers("1-9x4, 3,7") == (1, 3, 5, 7, 9)
+    assert frame_files.frame(Path("a/ring.####.exr"), 7) == Path("a/ring.0007.exr")
+    assert frame_files.frame(Path("r#.png"), 123) == Path("r123.png")
+    assert frame_files.is_pattern(Path("a#/b.##.exr"))
+    assert not frame_files.is_pattern(Path("a#/b.exr"))
+    assert frame_files.numbers("1-9x4, 3,7") == (1, 3, 5, 7, 9)
     assert near_options.place("-1mm, 2um") == (pytest.approx(-1e-3), pytest.approx(2e-6))
 
 

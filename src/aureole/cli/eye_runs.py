@@ -96,7 +96,7 @@ class Over:
     def job(self, source: Picture) -> jobs.EyeGlareJob:
         """Return the job for a picture."""
         look = {name: value for name, value in vars(self.look).items() if name != "illuminant"}
-        matte = None if self.files.matte is None else views.matte(self.files.matte, source)
+        matte = None if self.files.matte is None else jobs.read_matte(self.files.matte, source)
         return jobs.EyeGlareJob(
             source,
             self.eye,

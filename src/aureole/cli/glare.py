@@ -1,13 +1,16 @@
 """The command `aureole glare`: a picture as a camera or an eye sees it."""
 
+from pathlib import Path
 from typing import Any
 
 from aureole import jobs, refuse
-from aureole.cli import eye_runs, options, runs
+from aureole.cli import eye_runs, options, runs, sequence_runs
 from aureole.cli.eye_options import AnimationFlags, EyeFlags, OverFlags
 from aureole.cli.moving import given
 from aureole.cli.options import ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, numbers, with_flags
+from aureole.cli.sequence_runs import SequenceFlags
+from aureole.jobs import frame_files
 
 # Flags of a pupil that an eye has, too.
 SHARED = ("seed", "defocus", "zernike")
@@ -17,6 +20,7 @@ SHARED = ("seed", "defocus", "zernike")
 @with_flags("moving", AnimationFlags)
 @with_flags("viewer", EyeFlags)
 @with_flags("over", OverFlags)
+@with_flags("sequence", SequenceFlags)
 def glare(
     source: options.Source,
     out: options.Out,
@@ -24,6 +28,7 @@ def glare(
     over: OverFlags,
     viewer: EyeFlags,
     moving: AnimationFlags,
+    sequence: SequenceFlags,
     focal_length: options.FocalLength = None,
     f_number: options.FNumber = None,
     preset: options.Preset = None,
@@ -60,7 +65,8 @@ def glare(
 
     A camera's picture spans its sensor's width, an eye's its field of view. Energy is kept: what glare
     spreads is taken from the lamps. With --eye and --animate the picture is seen through time: the pupil
-    trembles, the lids blink, the needles shimmer.
+    trembles, the lids blink, the needles shimmer. IN and OUT with #### are sequences of pictures: frames that
+    lie there whole are kept, one that is missing or broken does not stop the rest (exit code 1).
 
     Examples:
 
@@ -75,6 +81,8 @@ def glare(
         aureole glare night.exr -o seen.exr --eye --age 70 --luminance 10cd/m2 --field-of-view 60deg
 
         aureole glare night.exr -o seen.####.exr --eye --animate 2s --fps 12 --quick --photosafe
+
+        aureole glare shot.####.exr -o out.####.exr --frames 1001-1240 --log shot.log --video look.mp4
     """
     shape = ShapeFlags(
         aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture, pupil
@@ -83,16 +91,33 @@ def glare(
     look = runs.Look(illuminant, mode, threshold, knee, gain, numbers(tint, "tint", 3), precision)
     lens = {"focal-length": focal_length, "f-number": f_number, "sensor": sensor, "iris": iris}
     if over.eye:
+        _refuse_sequence(source, sequence)
         _refuse_camera({**lens, "pixel-pitch": pitch}, shape)
         eye = _eye(viewer, moving, pupil, preset, illuminant)
         asked = eye_runs.Over(eye, files, look, over, kernel_size, options.memory(memory))
         eye_runs.over(asked, moving, as_json)
         return
-    for name in (*given(over), *given(viewer), *given(moving)):
+    for name in (*given(over), *given(viewer)):
         raise refuse.Refusal(f"'{name}' is for an eye's glare; it needs --eye.")
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
+    if frame_files.is_pattern(source):
+        many = sequence_runs.Sequence(files, sequence, moving, options.memory(memory))
+        sequence_runs.glare(camera, many, look, kernel_size, options.pixel_pitch(pitch), as_json)
+        return
+    for name in given(sequence):
+        raise refuse.Refusal(f"'{name}' is for sequences; IN and OUT need #### for the frame's number.")
+    for name in given(moving):
+        raise refuse.Refusal(
+            f"'{name}' is for an eye's glare or a sequence; it needs --eye, or IN with ####."
+        )
     limits = (kernel_size, options.pixel_pitch(pitch), options.memory(memory))
     runs.glare(camera, files, look, *limits, as_json)
+
+
+def _refuse_sequence(source: Path, sequence: SequenceFlags) -> None:
+    """Refuse sequences of pictures for an eye."""
+    if frame_files.is_pattern(source) or given(sequence):
+        raise refuse.Refusal("sequences of pictures are for cameras; an eye sees one picture, or --animate.")
 
 
 def _refuse_camera(lens: dict[str, Any], shape: ShapeFlags) -> None:

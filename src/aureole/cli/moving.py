@@ -8,7 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from aureole import jobs, picture, refuse, units
-from aureole.cli import frames, output
+from aureole.cli import output
+from aureole.jobs import frame_files
 from aureole.records import Picture
 
 MOVING = "Through time"
@@ -71,10 +72,10 @@ class MovingFlags:
         if self.animate is None:
             for name in given(self):
                 raise refuse.Refusal(f"'{name}' needs 'animate', such as --animate 4s.")
-            if frames.is_pattern(out):
+            if frame_files.is_pattern(out):
                 raise refuse.Refusal(f"'{out}' has #### for frames' numbers; --animate 4s makes frames.")
             return False
-        frames.frame(out, 1)
+        frame_files.frame(out, 1)
         return True
 
     def rate(self) -> float:
@@ -88,7 +89,7 @@ class MovingFlags:
 
     def numbers(self) -> tuple[int, ...] | None:
         """Return the frames that are wanted, None for all."""
-        return None if self.frames is None else frames.numbers(self.frames)
+        return None if self.frames is None else frame_files.numbers(self.frames)
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ class FrameFiles:
 
     def places(self) -> list[Path]:
         """Return the files besides the frames, and refuse what could not be written, before any work."""
-        return output.places(frames.frame(self.pattern, 1), self.moving.contact_sheet)[1:]
+        return output.places(frame_files.frame(self.pattern, 1), self.moving.contact_sheet)[1:]
 
     def frames(self) -> jobs.Frames:
         """Return which frames to make; those that lie there whole are kept."""
@@ -126,14 +127,14 @@ class FrameFiles:
 
     def is_done(self, number: int, description: str) -> bool:
         """Return whether a frame lies there whole."""
-        path = frames.frame(self.pattern, number)
-        return frames.is_there(path, description, self.moving.overwrite)
+        path = frame_files.frame(self.pattern, number)
+        return frame_files.is_there(path, description, self.moving.overwrite)
 
     def recall(self) -> Callable[[int], Picture] | None:
         """Return how a frame that is done is read, where its file holds all of it."""
-        if picture.format_of(frames.frame(self.pattern, 1)) in SHOWN:
+        if picture.format_of(frame_files.frame(self.pattern, 1)) in SHOWN:
             return None
-        return lambda number: picture.read(frames.frame(self.pattern, number))
+        return lambda number: picture.read(frame_files.frame(self.pattern, number))
 
     def follow(self, stages: Any) -> Any:
         """Write each frame when it is ready, and return the last result."""
@@ -141,7 +142,7 @@ class FrameFiles:
         for stage in output.shown(stages):
             result = stage.result
             if isinstance(result, jobs.Frame) and not result.done:
-                self.write(frames.frame(self.pattern, result.number), result)
+                self.write(frame_files.frame(self.pattern, result.number), result)
         assert isinstance(result, jobs.AnimationResult)
         return result
 
@@ -150,7 +151,7 @@ class FrameFiles:
     ) -> None:
         """Report every frame to a machine, and their pattern to people."""
         for told in report["frames"]:
-            told["file"] = str(frames.frame(self.pattern, told["number"]))
+            told["file"] = str(frame_files.frame(self.pattern, told["number"]))
         if as_json:
             made = [Path(told["file"]) for told in report["frames"] if not told["kept"]]
             output.report(title, report, [*made, *written], as_json, seconds)

@@ -7,10 +7,11 @@ from typing import Annotated, Any
 import typer
 
 from aureole import refuse, units
-from aureole.cli import frames, options
+from aureole.cli import options
 from aureole.cli.options import FILES
 from aureole.cli.pupil_options import ratio
 from aureole.jobs import NearFieldJob, NearTextureJob, Sweep
+from aureole.jobs import frame_files
 from aureole.jobs.near_texture import MARGIN
 
 MOST_STOPS = 100.0
@@ -276,7 +277,7 @@ class SweepFlags:
 
     def numbers(self) -> tuple[int, ...] | None:
         """Return the planes that are wanted; None for all."""
-        return None if self.frames is None else frames.numbers(self.frames)
+        return None if self.frames is None else frame_files.numbers(self.frames)
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from aureole import jobs, picture, refuse
-from aureole.cli import frames, output, views
+from aureole.cli import output, views
 from aureole.cli.near_options import SweepFlags
+from aureole.jobs import frame_files
 from aureole.records import Field, Picture
 
 SHOWN = ("png", "jpeg")
@@ -103,7 +104,7 @@ def sweep(plane: jobs.NearFieldJob, many: SweepFlags, files: NearFiles, as_json:
     distances, count = many.distances()
     numbers = many.numbers()
     pattern, strip = _outputs(files, count)
-    first = None if pattern is None else frames.frame(pattern, 1)
+    first = None if pattern is None else frame_files.frame(pattern, 1)
     written = output.places(first, strip, files.section)[first is not None :]
     if files.section is not None:
         refuse.at_least("rows of the section", plane.shape[0], 2)
@@ -113,8 +114,8 @@ def sweep(plane: jobs.NearFieldJob, many: SweepFlags, files: NearFiles, as_json:
         def is_done(number: int, description: str) -> bool:
             if pattern is None:
                 return False
-            path = frames.frame(pattern, number)
-            return frames.is_there(path, _words(path, description, files), many.overwrite, "plane")
+            path = frame_files.frame(pattern, number)
+            return frame_files.is_there(path, _words(path, description, files), many.overwrite, "plane")
 
         job = jobs.NearSweepJob(plane, distances, count, numbers, strip is not None, many.zoom, is_done)
         result = _planes(job, pattern, files)
@@ -149,7 +150,7 @@ def _outputs(files: NearFiles, count: int | None) -> tuple[Path | None, Path | N
     for name in ("preview", "amplitude"):
         if getattr(files, name) is not None:
             raise refuse.Refusal(f"'{name}' is for one plane; it does not go with 'sweep'.")
-    pattern = files.out if files.out is not None and frames.is_pattern(files.out) else None
+    pattern = files.out if files.out is not None and frame_files.is_pattern(files.out) else None
     strip = files.strip
     if files.out is not None and pattern is None:
         if strip is not None:
@@ -173,14 +174,14 @@ def _planes(job: jobs.NearSweepJob, pattern: Path | None, files: NearFiles) -> j
     for stage in output.shown(jobs.run(job)):
         result = stage.result
         if isinstance(result, jobs.NearFrame) and pattern is not None and not result.done:
-            path, plane = frames.frame(pattern, result.number), result.plane
+            path, plane = frame_files.frame(pattern, result.number), result.plane
             _write(
                 path, plane.picture, _words(path, plane.description, files), plane.report, _frame_stops(files)
             )
     assert isinstance(result, jobs.NearSweepResult)
     if pattern is not None:
         for told in result.report["frames"]:
-            told["file"] = str(frames.frame(pattern, told["number"]))
+            told["file"] = str(frame_files.frame(pattern, told["number"]))
     return result
 
 

@@ -97,7 +97,7 @@ def glare(
     start = time.perf_counter()
     written = output.places(files.out, files.psf, files.preview)
     given = read(files, memory)
-    matte = None if files.matte is None else views.matte(files.matte, given)
+    matte = None if files.matte is None else jobs.read_matte(files.matte, given)
     job = jobs.GlareJob(
         given,
         camera,

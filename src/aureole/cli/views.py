@@ -1,48 +1,17 @@
-"""What people look at: previews of pictures and kernels, and mattes read from files."""
+"""What people look at: previews of pictures and kernels."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import light, picture, refuse
+from aureole import light, picture
 from aureole.records import Picture
 
 # No picture is made brighter by more: what is left is rounding.
 MOST_STOPS = 100.0
 # A flare on black: so many per cent of its lit pixels are no brighter than that; the most stops for it.
 FLARE_EXPOSURE = (98.0, 0.5, 60.0)
-
-
-def matte(path: Path, source: Picture) -> NDArray[np.float32]:
-    """Read a matte of a picture's size.
-
-    Parameters
-    ----------
-    path : Path
-        A picture whose grey is 0..1.
-    source : Picture
-        The picture that it belongs to.
-
-    Returns
-    -------
-    ndarray of float32, shape (rows, columns)
-        Luminance, clipped to 0..1.
-
-    Raises
-    ------
-    refuse.Refusal
-        Where the sizes differ.
-    """
-    given = picture.read(path)
-    if given.pixels.shape[:2] != source.pixels.shape[:2]:
-        have, want = given.pixels.shape, source.pixels.shape
-        raise refuse.Refusal(
-            f"'matte' must be {want[1]} x {want[0]} pixels like the picture, got {have[1]} x {have[0]}."
-        )
-    weights = light.SPACES["rec709"].to_xyz[1].astype(np.float32)
-    return np.asarray(np.clip(given.pixels[..., :3] @ weights, 0, 1), dtype=np.float32)
 
 
 def exposed(after: Picture, before: Picture) -> NDArray[np.float32]:

@@ -15,7 +15,11 @@ flare_starburst its starbursts, where each light stands
 eye             what a point of light looks like to an eye, at a time or through time
 eye_glare       a picture as an eye sees it at a time
 eye_glare_frames the same through time, by waves of its own or from flipbooks
-frames          frames of an animation: which there are, which are done
+frames          frames of an animation: which there are, which are done; one frame of a sequence, alone
+frame_files     numbered files: names with #### for the number, lists of frames, which lie there whole
+sequence        frames of a sequence from files to files, whatever befalls one of them
+glare_sequence  a camera's glare on each frame of a sequence, its kernel made once
+sequence_video  a sequence as a video to look at
 eye_preview     a point spread function of an eye drawn with degrees
 viewer          an eye as people describe it, and the light that it is adapted to
 measures        a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
@@ -44,8 +48,17 @@ from aureole.jobs.eye_glare_frames import EyeGlareAnimationJob
 from aureole.jobs.eye_preview import eye_brightness, write_eye_preview
 from aureole.jobs.flare import FlareJob, FlareResult
 from aureole.jobs.flare_lights import Lamp
-from aureole.jobs.frames import AnimationResult, Frame, Frames
-from aureole.jobs.glare import GlareJob, GlareResult
+from aureole.jobs.frames import (
+    AnimationResult,
+    Frame,
+    FrameMaker,
+    FrameOutcome,
+    Frames,
+    FrameTask,
+    run_frame,
+)
+from aureole.jobs.glare import GlareJob, GlareResult, read_matte
+from aureole.jobs.glare_sequence import GlareMaker
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
 from aureole.jobs.lens_ghosts import lens_ghosts
@@ -63,6 +76,8 @@ from aureole.jobs.near_texture import NearTextureJob, NearTextureResult
 from aureole.jobs.optics import Opening, Optics
 from aureole.jobs.page import check_page, write_page
 from aureole.jobs.run import finish, run
+from aureole.jobs.sequence import SequenceJob, SequenceResult, sequence_tasks
+from aureole.jobs.sequence_video import video_stages
 from aureole.jobs.starburst import StarburstJob, StarburstResult
 from aureole.jobs.surface import SurfaceTableJob, SurfaceTableResult, order_rows
 from aureole.jobs.surface_export import SurfaceExport, export, export_places, export_target
@@ -106,8 +121,12 @@ __all__ = [
     "FlareJob",
     "FlareResult",
     "Frame",
+    "FrameMaker",
+    "FrameOutcome",
+    "FrameTask",
     "Frames",
     "GlareJob",
+    "GlareMaker",
     "GlareResult",
     "Lamp",
     "NearFieldJob",
@@ -122,6 +141,8 @@ __all__ = [
     "Opening",
     "Optics",
     "PupilMeasures",
+    "SequenceJob",
+    "SequenceResult",
     "StarburstJob",
     "StarburstResult",
     "SurfaceExport",
@@ -150,12 +171,16 @@ __all__ = [
     "named_table_stages",
     "order_rows",
     "pupil_measures",
+    "read_matte",
     "read_pixels",
     "read_plane",
     "render_exposure",
     "run",
+    "run_frame",
+    "sequence_tasks",
     "surface_from_bokeh",
     "usual_shape",
+    "video_stages",
     "write_drawing",
     "write_eye_preview",
     "write_page",

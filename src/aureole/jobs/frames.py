@@ -1,19 +1,30 @@
-"""Frames of an animation: which there are, which are done, and each as it is made."""
+"""Frames: of an animation, which there are, which are done, and each as it is made; of a sequence, one alone.
+
+`run_frame` makes one frame of a sequence from files to a file, and needs nothing of the frames beside it:
+so frames may be made in any order, by any process, on any machine, and come out the same.
+"""
 
 import hashlib
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
+import os
+import socket
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from aureole import refuse
+from aureole import picture, refuse
+from aureole.jobs import frame_files
 from aureole.jobs.contact_sheet import sheet, tile
 from aureole.records import Picture, Stage
 
 # More frames than this are a slip of the finger.
 MOST = 100_000
+# What becomes of a frame of a sequence.
+STATES = ("done", "kept", "missing", "broken")
 
 
 @dataclass(frozen=True)
@@ -177,6 +188,137 @@ def frame_stages(
             space = seen.colour_space
     whole = Picture(sheet(tiles), space) if tiles else None
     yield Stage(1.0, "frames", FramesResult(list(told.values()), whole))
+
+
+class FrameMaker(Protocol):
+    """Makes frames of a sequence; plain values, so that it can be sent to other processes."""
+
+    def make(self, source: Picture, number: int) -> tuple[Picture, dict[str, Any]]:
+        """Return a frame from the picture and number of its source, and its plain numbers."""
+        ...
+
+
+@dataclass(frozen=True)
+class FrameTask:
+    """One frame of a sequence: what `run_frame` needs to make it, anywhere.
+
+    Parameters
+    ----------
+    number : int
+        The frame's.
+    source, target : Path
+        Picture in, picture out.
+    maker : FrameMaker
+        What to do with the picture.
+    description : str
+        What the frame's file says of itself: the same for the same job and frame alone.
+    reading, writing : mapping
+        Options of `aureole.picture.read` and `aureole.picture.write`.
+    overwrite : bool
+        Whether a frame that lies there whole is made again.
+    """
+
+    number: int
+    source: Path
+    target: Path
+    maker: FrameMaker
+    description: str
+    reading: Mapping[str, Any] = field(default_factory=dict)
+    writing: Mapping[str, Any] = field(default_factory=dict)
+    overwrite: bool = False
+
+    def is_done(self) -> bool:
+        """Return whether the frame lies there whole, and is no older than its source."""
+        if self.overwrite or not frame_files.lies_whole(self.target, self.description):
+            return False
+        if not self.source.exists():
+            return True
+        return self.source.stat().st_mtime_ns <= self.target.stat().st_mtime_ns
+
+
+@dataclass(frozen=True)
+class FrameOutcome:
+    """What became of one frame of a sequence.
+
+    Parameters
+    ----------
+    number : int
+        The frame's.
+    source, target : Path
+        Picture in, picture out.
+    state : str
+        One of `STATES`: "done", "kept" (it lay there whole), "missing" (no source), "broken".
+    reason : str
+        Of a frame that is missing or broken, one line.
+    seconds : float
+        How long it took.
+    worker : str
+        Machine and process that made it.
+    notes : tuple of str
+        What is worth knowing about its files.
+    report : dict
+        Plain numbers of a frame that was made.
+    """
+
+    number: int
+    source: Path
+    target: Path
+    state: str
+    reason: str = ""
+    seconds: float = 0.0
+    worker: str = ""
+    notes: tuple[str, ...] = ()
+    report: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def is_there(self) -> bool:
+        """Whether the frame's file is there, whole."""
+        return self.state in ("done", "kept")
+
+
+def run_frame(task: FrameTask) -> FrameOutcome:
+    """Make one frame of a sequence: read, make, write whole; what goes wrong is told, never raised.
+
+    Parameters
+    ----------
+    task : FrameTask
+        What to make.
+
+    Returns
+    -------
+    FrameOutcome
+        What became of it.
+    """
+    start = time.perf_counter()
+    reason, notes, report = "", (), {}
+    try:
+        if task.is_done():
+            state = "kept"
+        elif not task.source.exists():
+            state, reason = "missing", f"there is no '{task.source}'."
+        else:
+            notes, report = _made(task)
+            state = "done"
+    except refuse.Refusal as refusal:
+        state, reason = "broken", str(refusal)
+    except MemoryError:
+        state, reason = "broken", "not enough memory for this frame."
+    except Exception as error:
+        state, reason = "broken", f"{type(error).__name__}: {' '.join(str(error).split())}"
+    worker = f"{socket.gethostname()}:{os.getpid()}"
+    seconds = time.perf_counter() - start
+    return FrameOutcome(
+        task.number, task.source, task.target, state, reason, seconds, worker, tuple(notes), report
+    )
+
+
+def _made(task: FrameTask) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """Make a frame's file; return notes and numbers."""
+    source = picture.read(task.source, **task.reading)
+    made, report = task.maker.make(source, task.number)
+    words = {"ImageDescription": picture.Attribute("string", task.description)}
+    written = picture.write(task.target, picture.with_attributes(made, words), **task.writing)
+    return (*picture.notes(source), *written), report
 
 
 def digest(*parts: Any) -> str:

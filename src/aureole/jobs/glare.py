@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -90,6 +91,28 @@ class GlareResult:
     report: dict[str, Any]
 
 
+@dataclass(frozen=True, eq=False)
+class PreparedGlare:
+    """A kernel ready for pictures of one size.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera it is of.
+    psf : Picture
+        The point spread function.
+    composition : aureole.glare.Composition
+        The same, ready to be laid over pictures.
+    illuminant : str
+        The light's name.
+    """
+
+    camera: Camera
+    psf: Picture
+    composition: glare.Composition
+    illuminant: str
+
+
 def run_glare(job: GlareJob) -> Iterator[Stage]:
     """Run a glare job.
 
@@ -103,9 +126,30 @@ def run_glare(job: GlareJob) -> Iterator[Stage]:
     Stage
         The last one holds a `GlareResult`.
     """
-    refuse.one_of("mode", job.mode, glare.MODES)
-    refuse.one_of("precision", job.precision, ("single", "double"))
-    source, space = in_working_space(job.picture)
+    prepared = None
+    for stage in prepared_glare(job):
+        prepared = stage.result
+        yield Stage(0.8 * stage.fraction, stage.label)
+    assert isinstance(prepared, PreparedGlare)
+    yield Stage(0.8, "spreading the light")
+    yield Stage(1.0, "glare", lay_over(job, prepared))
+
+
+def prepared_glare(job: GlareJob) -> Iterator[Stage]:
+    """Make all of a glare job that does not depend on the picture's pixels.
+
+    Parameters
+    ----------
+    job : GlareJob
+        Of its picture only the size, the windows and the colour space count.
+
+    Yields
+    ------
+    Stage
+        The last one holds a `PreparedGlare`.
+    """
+    refuse_words(job)
+    _, space = in_working_space(job.picture)
     lamp = light.illuminant(job.illuminant)
     camera = picture_camera(job)
     size = _kernel_size(job, camera)
@@ -115,22 +159,93 @@ def run_glare(job: GlareJob) -> Iterator[Stage]:
         camera, (size, size), lamp, space, job.method, "area", job.border_fade
     ):
         psf = stage.result
-        yield Stage(0.7 * stage.fraction, stage.label)
+        yield Stage(0.875 * stage.fraction, stage.label)
     assert isinstance(psf, Picture)
-    yield Stage(0.7, "preparing the kernel")
-    rows, columns = source.pixels.shape[:2]
+    yield Stage(0.875, "preparing the kernel")
+    rows, columns = job.picture.pixels.shape[:2]
     ready = glare.prepare(psf, (rows, columns), job.mode, precision=job.precision)
-    yield Stage(0.8, "spreading the light")
+    yield Stage(1.0, "preparing the kernel", PreparedGlare(camera, psf, ready, lamp.name))
+
+
+def lay_over(job: GlareJob, prepared: PreparedGlare) -> GlareResult:
+    """Lay glare that is ready over a job's picture.
+
+    Parameters
+    ----------
+    job : GlareJob
+        What to do.
+    prepared : PreparedGlare
+        Of this job, or of one whose picture has the same size, windows and colour space.
+
+    Returns
+    -------
+    GlareResult
+        The picture with its glare.
+    """
+    source, _ = in_working_space(job.picture)
     out = glare.composite(
-        source, ready, matte=job.matte, threshold=job.threshold, knee=job.knee, gain=job.gain, tint=job.tint
+        source,
+        prepared.composition,
+        matte=job.matte,
+        threshold=job.threshold,
+        knee=job.knee,
+        gain=job.gain,
+        tint=job.tint,
     )
-    report = psf_report(camera, psf, lamp.name)
+    report = psf_report(prepared.camera, prepared.psf, prepared.illuminant)
     report["mode"] = job.mode
-    report["energy_returned_to_core"] = ready.returned
+    report["energy_returned_to_core"] = prepared.composition.returned
     report["sum_before"] = picture_sums(job.picture)
     report["sum_after"] = picture_sums(out)
     out = Picture(out.pixels, job.picture.colour_space, job.picture.metadata)
-    yield Stage(1.0, "glare", GlareResult(out, psf, camera, report))
+    return GlareResult(out, prepared.psf, prepared.camera, report)
+
+
+def refuse_words(job: GlareJob) -> None:
+    """Refuse words of a job that mean nothing.
+
+    Parameters
+    ----------
+    job : GlareJob
+        Any.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where its mode or its precision is unknown.
+    """
+    refuse.one_of("mode", job.mode, glare.MODES)
+    refuse.one_of("precision", job.precision, ("single", "double"))
+
+
+def read_matte(path: Path, source: Picture) -> NDArray[np.float32]:
+    """Read a matte of a picture's size.
+
+    Parameters
+    ----------
+    path : Path
+        A picture whose grey is 0..1.
+    source : Picture
+        The picture that it belongs to.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Luminance, clipped to 0..1.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the sizes differ.
+    """
+    given = picture.read(path)
+    if given.pixels.shape[:2] != source.pixels.shape[:2]:
+        have, want = given.pixels.shape, source.pixels.shape
+        raise refuse.Refusal(
+            f"'matte' must be {want[1]} x {want[0]} pixels like the picture, got {have[1]} x {have[0]}."
+        )
+    weights = light.SPACES["rec709"].to_xyz[1].astype(np.float32)
+    return np.asarray(np.clip(given.pixels[..., :3] @ weights, 0, 1), dtype=np.float32)
 
 
 def picture_camera(job: GlareJob) -> Camera:

@@ -15,6 +15,7 @@ from aureole.jobs import (
     near_field,
     near_sweep,
     near_texture,
+    sequence,
     starburst,
     surface,
     surface_measure,
@@ -29,7 +30,7 @@ def run(job: Any) -> Iterator[Stage]:
 
     Parameters
     ----------
-    job : GlareJob, StarburstJob, ApertureJob, FlareJob, DemoJob, a near-field, an eye's or a surface's
+    job : GlareJob, StarburstJob, ApertureJob, FlareJob, DemoJob, SequenceJob, a near-field, an eye's or a surface's
         What to do.
 
     Returns
@@ -56,6 +57,7 @@ run.register(surface.SurfaceTableJob, surface.run_surface_table)
 run.register(surface_measure.SurfaceMeasureJob, surface_measure.run_surface_measure)
 run.register(surface_render.SurfaceRenderJob, surface_render.run_surface_render)
 run.register(surface_render.SurfaceTurnJob, surface_render.run_surface_turn)
+run.register(sequence.SequenceJob, sequence.run_sequence)
 run.register(demo.DemoJob, demo.run_demo)
 
 

@@ -16,6 +16,7 @@
 - `mixing`: in: kernels, kept in 16 bits, and weights, out: pictures convolved with their sum
 - `quality`: in: a picture and its reference, out: plain and logarithmic PSNR, SSIM
 - `display`: in: linear pictures, out: pixels that are ready for a screen
+- `video`: in: pixels that are ready for a screen, one by one, out: a video (MP4, H.264)
 - `scene`: in: a size and a seed, out: the bundled night scene; `_canvas` and `_far_shore` draw for it
 """
 
@@ -40,6 +41,7 @@ from aureole.picture.quality import log_psnr, psnr, ssim
 from aureole.picture.reading import read
 from aureole.picture.scene import night_scene
 from aureole.picture.transfer import decode_srgb, encode_srgb, into_gamut
+from aureole.picture.video import check_video, video_file
 from aureole.picture.whole_files import whole_file, writable
 from aureole.picture.writing import COMPRESSIONS, write
 
@@ -58,6 +60,7 @@ __all__ = [
     "allowed_memory",
     "attributes_of",
     "auto_exposure",
+    "check_video",
     "convolve",
     "decode_srgb",
     "describe",
@@ -77,6 +80,7 @@ __all__ = [
     "side_by_side",
     "ssim",
     "to_display",
+    "video_file",
     "whole_file",
     "with_attributes",
     "with_notes",

@@ -1,6 +1,7 @@
 """Numbered files: names with #### for the frame's number, and lists of frames such as 1-100x2."""
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 from aureole import picture, refuse
@@ -81,12 +82,94 @@ def is_there(path: Path, words: str, overwrite: bool, what: str = "frame") -> bo
         return False
     try:
         header = picture.header_of(picture.read(path))
-        found = header and header.attributes.get("ImageDescription")
+        ours = header is not None and _says(header, words)
     except refuse.Refusal:
-        found = None
-    if not found or found.value != words:
+        ours = False
+    if not ours:
         raise refuse.Refusal(f"'{path}' is there and is no {what} of this job; --overwrite replaces it.")
     return True
+
+
+def lies_whole(path: Path, words: str) -> bool:
+    """Return whether a frame of this job lies there and can be read to its end.
+
+    Parameters
+    ----------
+    path : Path
+        The frame's file.
+    words : str
+        What the file says of itself where it is this job's.
+
+    Returns
+    -------
+    bool
+        Whether it need not be made again.
+    """
+    if not path.exists():
+        return False
+    try:
+        header = picture.header_of(picture.read(path))
+    except refuse.Refusal:
+        return False
+    return header is not None and _says(header, words)
+
+
+def refuse_strangers(paths: Iterable[tuple[Path, str]]) -> None:
+    """Refuse, before any work, to replace files that are not of this job, from their headers alone.
+
+    Parameters
+    ----------
+    paths : iterable of (Path, str)
+        Each frame's file, and what it says of itself where it is this job's.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where another file lies at a frame's place, or the place cannot be written.
+    """
+    for path, words in paths:
+        picture.writable(path)
+        if not path.exists():
+            continue
+        try:
+            ours = _says(picture.describe(path), words)
+        except refuse.Refusal:
+            ours = False
+        if not ours:
+            raise refuse.Refusal(f"'{path}' is there and is no frame of this job; --overwrite replaces it.")
+
+
+def found(pattern: Path) -> tuple[int, ...]:
+    """Return the numbers of the frames that lie there.
+
+    Parameters
+    ----------
+    pattern : Path
+        With one run of # in its name: so many digits at least.
+
+    Returns
+    -------
+    tuple of int
+        Rising.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the name has several runs of #, the folder cannot be read, or no frame lies there.
+    """
+    frame(pattern, 0)
+    before, after = _MARK.split(pattern.name)
+    shape = re.compile(re.escape(before) + r"(\d+)" + re.escape(after))
+    try:
+        names = [entry.name for entry in pattern.parent.iterdir()]
+    except OSError:
+        raise refuse.Refusal(f"the folder '{pattern.parent}' of the frames cannot be read.") from None
+    matches = [match for match in map(shape.fullmatch, names) if match is not None]
+    # A number with too many or too few digits is another sequence's.
+    there = {int(match[1]) for match in matches if frame(pattern, int(match[1])).name == match[0]}
+    if not there:
+        raise refuse.Refusal(f"no frame of '{pattern}' is there.")
+    return tuple(sorted(there))
 
 
 def numbers(text: str, name: str = "frames") -> tuple[int, ...]:
@@ -109,14 +192,19 @@ def numbers(text: str, name: str = "frames") -> tuple[int, ...]:
     refuse.Refusal
         Where the text is no such list.
     """
-    found: set[int] = set()
+    listed: set[int] = set()
     for part in text.replace(" ", "").split(","):
         match = _RANGE.fullmatch(part)
         first, last, step = (0, -1, 0) if match is None else _range(match)
         if last < first or step < 1 or last > MOST:
             raise refuse.Refusal(f"'{name}' must be frames such as 1-100, 1-100x2 or 3,7,9, got '{text}'.")
-        found.update(range(first, last + 1, step))
-    return tuple(sorted(found))
+        listed.update(range(first, last + 1, step))
+    return tuple(sorted(listed))
+
+
+def _says(header: picture.Header, words: str) -> bool:
+    said = header.attributes.get("ImageDescription")
+    return said is not None and said.value == words
 
 
 def _range(match: re.Match[str]) -> tuple[int, int, int]:

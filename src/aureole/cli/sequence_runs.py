@@ -1,0 +1,235 @@
+"""Running sequences: numbered pictures in, numbered pictures out, a log and a video besides."""
+
+import contextlib
+import json
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from aureole import jobs, picture, refuse
+from aureole.cli import output
+from aureole.cli.moving import MovingFlags, given
+from aureole.cli.runs import GlareFiles, Look
+from aureole.jobs import frame_files
+
+SEQUENCE = "Sequences"
+# Of the frames that are not there, how many a person is told one by one.
+TOLD = 20
+INCOMPLETE = 1
+
+
+@dataclass(frozen=True)
+class SequenceFlags:
+    """The flags of sequences alone; each field's option teaches its use.
+
+    Parameters
+    ----------
+    log, video : Path, optional
+        Files to write.
+    """
+
+    log: Annotated[
+        Path | None,
+        typer.Option(
+            "--log",
+            help="Append a line of JSON for each frame: its number, state, seconds and reason.",
+            rich_help_panel=SEQUENCE,
+        ),
+    ] = None
+    video: Annotated[
+        Path | None,
+        typer.Option(
+            "--video",
+            help="Also write a video of all frames to look at: MP4; --fps sets its pace.",
+            rich_help_panel=SEQUENCE,
+        ),
+    ] = None
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """Which frames to make from which files.
+
+    Parameters
+    ----------
+    files : GlareFiles
+        Names with #### for the frame's number, and how pictures are read and written.
+    flags : SequenceFlags
+        Log and video.
+    moving : MovingFlags
+        Which frames, and whether they are made anew.
+    memory : int, optional
+        Bytes that may be used.
+    """
+
+    files: GlareFiles
+    flags: SequenceFlags
+    moving: MovingFlags
+    memory: int | None = None
+
+    def check(self) -> None:
+        """Refuse flags of single pictures and of animations, and files that could not be written."""
+        for name in given(self.moving):
+            if name not in ("frames", "overwrite", "fps"):
+                raise refuse.Refusal(f"'{name}' does not go with a sequence of pictures.")
+        for name in ("psf", "preview"):
+            if getattr(self.files, name) is not None:
+                raise refuse.Refusal(f"'{name}' is for one picture; it does not go with a sequence.")
+        if not frame_files.is_pattern(self.files.out):
+            raise refuse.Refusal(
+                f"'{self.files.out}' must have #### for the frame's number, as the input has."
+            )
+        picture.format_of(self.files.out)
+        if self.moving.fps is not None and self.flags.video is None:
+            raise refuse.Refusal("'fps' needs 'video'; frames of a sequence have no pace of their own.")
+        if self.flags.video is not None:
+            picture.writable(picture.check_video(self.flags.video))
+        if self.flags.log is not None:
+            picture.writable(self.flags.log)
+
+    def tasks(self, maker: jobs.FrameMaker, words: str) -> tuple[jobs.FrameTask, ...]:
+        """Return the frames to make."""
+        files = self.files
+        colours = {"color_config": files.color_config, "color_space": files.color_space}
+        return jobs.sequence_tasks(
+            files.source,
+            files.out,
+            self.moving.numbers(),
+            maker,
+            words,
+            {"nan": files.nan, "memory": self.memory, **colours},
+            {"pixel_type": output.pixel_type_for(files.out, files.pixel_type), **colours},
+            self.moving.overwrite,
+        )
+
+
+def glare(
+    camera: jobs.Optics,
+    asked: Sequence,
+    look: Look,
+    kernel_size: int | None,
+    pixel_pitch: float | None,
+    as_json: bool,
+) -> None:
+    """Lay a camera's glare over the frames of a sequence, and report.
+
+    Parameters
+    ----------
+    camera : Optics
+        The camera.
+    asked : Sequence
+        Which frames, and their files.
+    look : Look
+        How to mix.
+    kernel_size : int, optional
+        Side in pixels.
+    pixel_pitch : float, optional
+        Metres.
+    as_json : bool
+        Whether a machine reads the report.
+    """
+    asked.check()
+    maker = jobs.GlareMaker.of(
+        camera,
+        asked.files.matte,
+        kernel_size=kernel_size,
+        pixel_pitch=pixel_pitch,
+        memory=asked.memory,
+        **vars(look),
+    )
+    maker.refuse()
+    make("glare", asked, asked.tasks(maker, maker.words()), as_json)
+
+
+def make(title: str, asked: Sequence, tasks: tuple[jobs.FrameTask, ...], as_json: bool) -> None:
+    """Make frames, tell what became of each, and exit with 1 where one is not there.
+
+    Parameters
+    ----------
+    title : str
+        What is made.
+    asked : Sequence
+        Log and video.
+    tasks : tuple of FrameTask
+        The frames.
+    as_json : bool
+        Whether a machine reads the report.
+
+    Raises
+    ------
+    typer.Exit
+        With 1 where frames are missing or broken; all others are made.
+    """
+    start = time.perf_counter()
+    result = _follow(jobs.SequenceJob(tasks), asked.flags.log)
+    written = [asked.files.out]
+    there = [outcome.target for outcome in result.outcomes if outcome.is_there]
+    if asked.flags.video is not None and there:
+        output.follow(jobs.video_stages(there, asked.flags.video, asked.moving.rate()))
+        written.append(asked.flags.video)
+    failures = result.failures()
+    output.say_notes(_told(failures))
+    report = dict(result.report)
+    if as_json:
+        report["frames"] = [_line(outcome) for outcome in result.outcomes]
+    output.report(title, report, written, as_json, time.perf_counter() - start)
+    if failures:
+        raise typer.Exit(INCOMPLETE)
+
+
+def _follow(job: jobs.SequenceJob, log: Path | None) -> jobs.SequenceResult:
+    """Run a sequence under a progress bar, and log each frame as soon as it is known."""
+    result: Any = None
+    said: set[str] = set()
+    with _log(log) as line:
+        for stage in output.shown(jobs.run(job)):
+            result = stage.result
+            if isinstance(result, jobs.FrameOutcome):
+                line(_line(result))
+                # The same note on every frame is said once.
+                fresh = [note for note in result.notes if _about(note) not in said]
+                said.update(map(_about, fresh))
+                output.say_notes(fresh)
+    assert isinstance(result, jobs.SequenceResult)
+    return result
+
+
+@contextlib.contextmanager
+def _log(path: Path | None) -> Iterator[Callable[[dict[str, Any]], None]]:
+    """Append a line of JSON for each frame, written through at once, so that a crash loses none."""
+    if path is None:
+        yield lambda values: None
+        return
+    with path.open("a", encoding="utf-8", buffering=1) as file:
+        yield lambda values: print(json.dumps(values), file=file)
+
+
+def _line(outcome: jobs.FrameOutcome) -> dict[str, Any]:
+    """Return what became of a frame, for a machine."""
+    told: dict[str, Any] = {
+        "number": outcome.number,
+        "state": outcome.state,
+        "source": str(outcome.source),
+        "file": str(outcome.target),
+        "seconds": round(outcome.seconds, 3),
+        "worker": outcome.worker,
+    }
+    if outcome.reason:
+        told["reason"] = outcome.reason
+    return told | outcome.report
+
+
+def _told(failures: list[jobs.FrameOutcome]) -> list[str]:
+    """Return what a person should know about frames that are not there."""
+    lines = [f"frame {outcome.number} is {outcome.state}: {outcome.reason}" for outcome in failures[:TOLD]]
+    more = len(failures) - TOLD
+    return [*lines, f"{more} more frames are missing or broken; --log tells of each"] if more > 0 else lines
+
+
+def _about(note: str) -> str:
+    """Return a note without the name of the file that it begins with."""
+    return note.partition(": ")[2] or note
