@@ -10,8 +10,7 @@ from aureole import refuse, units
 from aureole.cli import options
 from aureole.cli.options import FILES
 from aureole.cli.pupil_options import ratio
-from aureole.jobs import NearFieldJob, NearTextureJob, Sweep
-from aureole.jobs import frame_files
+from aureole.jobs import NearFieldJob, NearTextureJob, Sweep, frame_files
 from aureole.jobs.near_texture import MARGIN
 
 MOST_STOPS = 100.0

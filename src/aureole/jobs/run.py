@@ -30,7 +30,7 @@ def run(job: Any) -> Iterator[Stage]:
 
     Parameters
     ----------
-    job : GlareJob, StarburstJob, ApertureJob, FlareJob, DemoJob, SequenceJob, a near-field, an eye's or a surface's
+    job : GlareJob, StarburstJob, ApertureJob, FlareJob, DemoJob, SequenceJob or another of the room
         What to do.
 
     Returns

@@ -20,6 +20,8 @@ from aureole.picture.whole_files import whole_file
 SUFFIX = ".mp4"
 # Constant quality of x264: 0 loses nothing, 51 is worst; at 16 losses are hard to see.
 QUALITY = 16
+# ITU-T H.273's numbers: Rec.709 primaries and matrix, sRGB's curve, values from 16 to 235.
+REC709, SRGB, NARROW = 1, 13, 1
 
 
 def check_video(path: str | os.PathLike[str]) -> Path:
@@ -76,15 +78,20 @@ def video_file(
     av = _library()
     check_video(path)
     speed = Fraction(refuse.positive("fps", rate)).limit_denominator(1001)
-    with whole_file(path) as part, av.open(str(part), "w") as container:
+    # The index goes to the front, so that a browser shows the first pictures before it has all.
+    front = {"movflags": "faststart"}
+    with whole_file(path) as part, av.open(str(part), "w", options=front) as container:
         stream = container.add_stream("libx264", rate=speed)
         stream.height, stream.width = (length + length % 2 for length in shape)
         stream.pix_fmt = "yuv420p"
+        coding = stream.codec_context
+        coding.color_primaries, coding.colorspace = REC709, REC709
+        coding.color_trc, coding.color_range = SRGB, NARROW
         stream.options = {"crf": str(QUALITY), "preset": "medium"}
 
         def append(pixels: NDArray[np.float32]) -> None:
             frame = av.VideoFrame.from_ndarray(_eight_bits(pixels, shape), format="rgb24")
-            container.mux(stream.encode(frame))
+            container.mux(stream.encode(frame.reformat(format="yuv420p", dst_colorspace="ITU709")))
 
         yield append
         container.mux(stream.encode())
