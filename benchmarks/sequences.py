@@ -95,9 +95,8 @@ def main() -> None:
     parser.add_argument("--size", default="1920x1080")
     asked = parser.parse_args()
     columns, rows = (int(part) for part in asked.size.split("x"))
-    print(
-        f"{platform.system()} {platform.release()}, {os.cpu_count()} cores, NumPy {np.__version__}, seed {SEED}"
-    )
+    machine = f"{platform.system()} {platform.release()}, {os.cpu_count()} cores"
+    print(f"{machine}, NumPy {np.__version__}, seed {SEED}")
     with tempfile.TemporaryDirectory() as name:
         {"kill": kill, "memory": memory}[asked.what](Path(name), asked.frames, (rows, columns))
 

@@ -43,12 +43,12 @@ def test_odd_sizes_are_filled_up(tmp_path):
 
 def test_a_video_that_fails_leaves_nothing(tmp_path):
     path = tmp_path / "a.mp4"
+    pictures = [np.zeros((rows, 32, 3), dtype=np.float32) for rows in (32, 16)]
     with (
         pytest.raises(Refusal, match="'pixels' must be an array of shape"),
         picture.video_file(path, (32, 32), 24) as append,
     ):
-        append(np.zeros((32, 32, 3), dtype=np.float32))
-        append(np.zeros((16, 32, 3), dtype=np.float32))
+        list(map(append, pictures))
     assert list(tmp_path.iterdir()) == []
 
 

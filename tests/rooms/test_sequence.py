@@ -240,9 +240,10 @@ def test_memory_does_not_grow_with_the_frames(tmp_path):
         "import sys, psutil\n"
         "from pathlib import Path\n"
         "from aureole import jobs\n"
-        "folder = Path(sys.argv[1])\n"
+        "folder, numbers = Path(sys.argv[1]), range(1, 81)\n"
         "maker = jobs.GlareMaker.of(jobs.Optics(), kernel_size=63)\n"
-        "tasks = jobs.sequence_tasks(folder / 'in.##.exr', folder / 'out.##.exr', range(1, 81), maker, 'test')\n"
+        "names = folder / 'in.##.exr', folder / 'out.##.exr'\n"
+        "tasks = jobs.sequence_tasks(*names, numbers, maker, 'test')\n"
         "for stage in jobs.run(jobs.SequenceJob(tasks)):\n"
         "    print(psutil.Process().memory_info().rss)\n"
     )
