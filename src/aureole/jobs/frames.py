@@ -290,7 +290,9 @@ def run_frame(task: FrameTask) -> FrameOutcome:
         What became of it.
     """
     start = time.perf_counter()
-    reason, notes, report = "", (), {}
+    reason = ""
+    notes: tuple[str, ...] = ()
+    report: dict[str, Any] = {}
     try:
         if task.is_done():
             state = "kept"
@@ -307,9 +309,7 @@ def run_frame(task: FrameTask) -> FrameOutcome:
         state, reason = "broken", f"{type(error).__name__}: {' '.join(str(error).split())}"
     worker = f"{socket.gethostname()}:{os.getpid()}"
     seconds = time.perf_counter() - start
-    return FrameOutcome(
-        task.number, task.source, task.target, state, reason, seconds, worker, tuple(notes), report
-    )
+    return FrameOutcome(task.number, task.source, task.target, state, reason, seconds, worker, notes, report)
 
 
 def _made(task: FrameTask) -> tuple[tuple[str, ...], dict[str, Any]]:
