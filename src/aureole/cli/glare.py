@@ -104,14 +104,17 @@ def glare(
         many = sequence_runs.Sequence(files, sequence, moving, options.memory(memory))
         sequence_runs.glare(camera, many, look, kernel_size, options.pixel_pitch(pitch), as_json)
         return
+    _refuse_many(sequence, moving)
+    limits = (kernel_size, options.pixel_pitch(pitch), options.memory(memory))
+    runs.glare(camera, files, look, *limits, as_json)
+
+
+def _refuse_many(sequence: SequenceFlags, moving: AnimationFlags) -> None:
+    """Refuse flags of many pictures where there is one."""
     for name in given(sequence):
         raise refuse.Refusal(f"'{name}' is for sequences; IN and OUT need #### for the frame's number.")
     for name in given(moving):
-        raise refuse.Refusal(
-            f"'{name}' is for an eye's glare or a sequence; it needs --eye, or IN with ####."
-        )
-    limits = (kernel_size, options.pixel_pitch(pitch), options.memory(memory))
-    runs.glare(camera, files, look, *limits, as_json)
+        raise refuse.Refusal(f"'{name}' is for an eye or a sequence; it needs --eye, or IN with ####.")
 
 
 def _refuse_sequence(source: Path, sequence: SequenceFlags) -> None:
