@@ -91,14 +91,12 @@ def glare(
     look = runs.Look(illuminant, mode, threshold, knee, gain, numbers(tint, "tint", 3), precision)
     lens = {"focal-length": focal_length, "f-number": f_number, "sensor": sensor, "iris": iris}
     if over.eye:
-        _refuse_sequence(source, sequence)
-        _refuse_camera({**lens, "pixel-pitch": pitch}, shape)
+        _refuse_camera(source, sequence, {**lens, "pixel-pitch": pitch}, shape)
         eye = _eye(viewer, moving, pupil, preset, illuminant)
         asked = eye_runs.Over(eye, files, look, over, kernel_size, options.memory(memory))
         eye_runs.over(asked, moving, as_json)
         return
-    for name in (*given(over), *given(viewer)):
-        raise refuse.Refusal(f"'{name}' is for an eye's glare; it needs --eye.")
+    _refuse_eye(over, viewer)
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
     if frame_files.is_pattern(source):
         many = sequence_runs.Sequence(files, sequence, moving, options.memory(memory))
@@ -109,6 +107,12 @@ def glare(
     runs.glare(camera, files, look, *limits, as_json)
 
 
+def _refuse_eye(over: OverFlags, viewer: EyeFlags) -> None:
+    """Refuse flags of an eye where there is none."""
+    for name in (*given(over), *given(viewer)):
+        raise refuse.Refusal(f"'{name}' is for an eye's glare; it needs --eye.")
+
+
 def _refuse_many(sequence: SequenceFlags, moving: AnimationFlags) -> None:
     """Refuse flags of many pictures where there is one."""
     for name in given(sequence):
@@ -117,14 +121,10 @@ def _refuse_many(sequence: SequenceFlags, moving: AnimationFlags) -> None:
         raise refuse.Refusal(f"'{name}' is for an eye or a sequence; it needs --eye, or IN with ####.")
 
 
-def _refuse_sequence(source: Path, sequence: SequenceFlags) -> None:
-    """Refuse sequences of pictures for an eye."""
+def _refuse_camera(source: Path, sequence: SequenceFlags, lens: dict[str, Any], shape: ShapeFlags) -> None:
+    """Refuse sequences and flags of a camera, none of which an eye has."""
     if frame_files.is_pattern(source) or given(sequence):
         raise refuse.Refusal("sequences of pictures are for cameras; an eye sees one picture, or --animate.")
-
-
-def _refuse_camera(lens: dict[str, Any], shape: ShapeFlags) -> None:
-    """Refuse flags of a camera, none of which an eye has."""
     opening = {name.replace("_", "-"): value for name, value in vars(shape).items() if name != "pupil"}
     typed = {**lens, **opening}
     names = [name for name, value in typed.items() if value is not None]

@@ -8,10 +8,11 @@ import hashlib
 import os
 import socket
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,12 +191,12 @@ def frame_stages(
     yield Stage(1.0, "frames", FramesResult(list(told.values()), whole))
 
 
-class FrameMaker(Protocol):
+class FrameMaker(ABC):
     """Makes frames of a sequence; plain values, so that it can be sent to other processes."""
 
+    @abstractmethod
     def make(self, source: Picture, number: int) -> tuple[Picture, dict[str, Any]]:
         """Return a frame from the picture and number of its source, and its plain numbers."""
-        ...
 
 
 @dataclass(frozen=True)

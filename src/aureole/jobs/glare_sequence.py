@@ -11,7 +11,7 @@ import numpy as np
 
 from aureole import light, picture
 from aureole.jobs import frame_files
-from aureole.jobs.frames import digest
+from aureole.jobs.frames import FrameMaker, digest
 from aureole.jobs.glare import GlareJob, PreparedGlare, lay_over, prepared_glare, read_matte, refuse_words
 from aureole.jobs.optics import Optics
 from aureole.records import Picture
@@ -21,7 +21,7 @@ PIXELS = ("picture", "matte", "memory")
 
 
 @dataclass(frozen=True, eq=False)
-class GlareMaker:
+class GlareMaker(FrameMaker):
     """Lays a camera's glare over frames.
 
     Parameters
