@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from aureole import jobs, light, presets, refuse, units
-from aureole.cli import bench, eye, flare, glare, lens, nearfield, options, output, runs, surface
+from aureole.cli import bench, eye, flare, glare, lens, lights, nearfield, options, output, runs, surface
 from aureole.cli.options import FILES, ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, with_flags
 
@@ -20,6 +20,7 @@ app = typer.Typer(
 )
 app.add_typer(bench.app, name="bench")
 app.add_typer(lens.app, name="lens")
+app.add_typer(lights.app, name="lights")
 app.add_typer(surface.app, name="surface")
 
 

@@ -8,6 +8,9 @@ camera      cameras, and their point spread functions
 kernel      fading, non-negative kernels, what other programs expect
 composite   replace, scatter and add
 sources     which light of a picture makes glare: the knee, the matte
+lamps       the lights that a picture shows: place, flux, colour, size
+tracks      the same through a shot, each with a number that stays
+lamp_files  both in a file, a line each
 
 The eye:
 eye             what an eye is made of, its state at a time, and the named eyes
@@ -66,9 +69,12 @@ from aureole.glare.flipbook_files import load_flipbooks, save_flipbooks
 from aureole.glare.fresh_glare import FreshGlare
 from aureole.glare.glare_frames import pattern_field, pattern_shape
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
+from aureole.glare.lamp_files import LampList, read_lamps, write_lamps
+from aureole.glare.lamps import MOST_LAMPS, Lamp, find_lamps, lamp_threshold, luminances
 from aureole.glare.photosafe import FlashLimiter, flash_measures, flashes
 from aureole.glare.real_time import RealTimeGlare
 from aureole.glare.sources import KNEES, above_knee
+from aureole.glare.tracks import PATIENCE, LampTracker, Sighting, lasting, track_lamps
 from aureole.glare.veil import cie_135, cie_146, hemisphere_energy, spencer, stiles_holladay
 
 __all__ = [
@@ -78,6 +84,8 @@ __all__ = [
     "HOSTS",
     "KNEES",
     "MODES",
+    "MOST_LAMPS",
+    "PATIENCE",
     "RESOLUTIONS",
     "THESIS_WEIGHTS",
     "Composition",
@@ -88,8 +96,12 @@ __all__ = [
     "FlipbookError",
     "Flipbooks",
     "FreshGlare",
+    "Lamp",
+    "LampList",
+    "LampTracker",
     "Population",
     "RealTimeGlare",
+    "Sighting",
     "above_knee",
     "adapted",
     "adapted_after",
@@ -119,12 +131,16 @@ __all__ = [
     "eye_stamps",
     "fade",
     "field_places",
+    "find_lamps",
     "flash_measures",
     "flashes",
     "flipbook_error",
     "hemisphere_energy",
     "kernel_for",
+    "lamp_threshold",
+    "lasting",
     "load_flipbooks",
+    "luminances",
     "lumps",
     "make_flipbooks",
     "make_flipbooks_stages",
@@ -137,6 +153,7 @@ __all__ = [
     "pupil",
     "pupil_diameter",
     "radial_layers",
+    "read_lamps",
     "ritschel_diameter",
     "save_flipbooks",
     "scattered_share",
@@ -145,4 +162,6 @@ __all__ = [
     "states",
     "stiles_holladay",
     "tangent_pitch",
+    "track_lamps",
+    "write_lamps",
 ]

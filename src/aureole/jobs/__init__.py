@@ -11,6 +11,8 @@ near_sweep      the same at many distances: planes, a strip of them, a section a
 near_texture    a ringing texture for the ghosts of a lens
 flare           the ghosts of a lens and the starbursts, for given lights, on black or over a picture
 flare_lights    its lights as people give them, measured or found in the picture
+lights          the lights that pictures show, found in one or followed through a shot
+lights_preview  a picture with its lights marked
 flare_starburst its starbursts, where each light stands
 eye             what a point of light looks like to an eye, at a time or through time
 eye_glare       a picture as an eye sees it at a time
@@ -62,6 +64,8 @@ from aureole.jobs.glare_sequence import GlareMaker
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
 from aureole.jobs.lens_ghosts import lens_ghosts
+from aureole.jobs.lights import LightsJob, LightsResult
+from aureole.jobs.lights_preview import lights_drawing
 from aureole.jobs.measures import PupilMeasures, pupil_measures
 from aureole.jobs.near_field import NearFieldJob, NearFieldResult
 from aureole.jobs.near_sweep import (
@@ -129,6 +133,8 @@ __all__ = [
     "GlareMaker",
     "GlareResult",
     "Lamp",
+    "LightsJob",
+    "LightsResult",
     "NearFieldJob",
     "NearFieldResult",
     "NearFrame",
@@ -168,6 +174,7 @@ __all__ = [
     "lens_ghosts",
     "lens_list",
     "lens_report",
+    "lights_drawing",
     "named_table_stages",
     "order_rows",
     "pupil_measures",

@@ -12,6 +12,7 @@ from aureole.jobs import (
     eye_glare_frames,
     flare,
     glare,
+    lights,
     near_field,
     near_sweep,
     near_texture,
@@ -30,8 +31,8 @@ def run(job: Any) -> Iterator[Stage]:
 
     Parameters
     ----------
-    job : GlareJob, StarburstJob, ApertureJob, FlareJob, DemoJob, SequenceJob or another of the room
-        What to do.
+    job : GlareJob, StarburstJob, ApertureJob, FlareJob, LightsJob, DemoJob, SequenceJob
+        What to do; a near-field's, an eye's or a surface's job, too.
 
     Returns
     -------
@@ -45,6 +46,7 @@ run.register(glare.GlareJob, glare.run_glare)
 run.register(starburst.StarburstJob, starburst.run_starburst)
 run.register(aperture.ApertureJob, aperture.run_aperture)
 run.register(flare.FlareJob, flare.run_flare)
+run.register(lights.LightsJob, lights.run_lights)
 run.register(near_field.NearFieldJob, near_field.run_near_field)
 run.register(near_sweep.NearSweepJob, near_sweep.run_near_sweep)
 run.register(near_sweep.NearSectionJob, near_sweep.run_near_section)

@@ -15,6 +15,7 @@
 - `convolution`: in: pixels and a kernel, out: pixels of the same size
 - `mixing`: in: kernels, kept in 16 bits, and weights, out: pictures convolved with their sum
 - `quality`: in: a picture and its reference, out: plain and logarithmic PSNR, SSIM
+- `regions`: in: luminance and a threshold, out: connected bright regions, and what each measures
 - `display`: in: linear pictures, out: pixels that are ready for a screen
 - `video`: in: pixels that are ready for a screen, one by one, out: a video (MP4, H.264)
 - `scene`: in: a size and a seed, out: the bundled night scene; `_canvas` and `_far_shore` draw for it
@@ -39,6 +40,7 @@ from aureole.picture.metadata import (
 from aureole.picture.mixing import KernelMix, MixedConvolver
 from aureole.picture.quality import log_psnr, psnr, ssim
 from aureole.picture.reading import read
+from aureole.picture.regions import Regions, bright_labels, measured_regions
 from aureole.picture.scene import night_scene
 from aureole.picture.transfer import decode_srgb, encode_srgb, into_gamut
 from aureole.picture.video import check_video, video_file
@@ -56,10 +58,12 @@ __all__ = [
     "KernelMix",
     "Layers",
     "MixedConvolver",
+    "Regions",
     "Window",
     "allowed_memory",
     "attributes_of",
     "auto_exposure",
+    "bright_labels",
     "check_video",
     "convolve",
     "decode_srgb",
@@ -72,6 +76,7 @@ __all__ = [
     "into_gamut",
     "log_psnr",
     "log_scale",
+    "measured_regions",
     "night_scene",
     "notes",
     "psnr",

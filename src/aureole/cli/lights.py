@@ -1,0 +1,213 @@
+"""The commands about lights in pictures: find them, and follow them through a shot."""
+
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from aureole import glare, jobs, picture, refuse
+from aureole.cli import frames as numbered
+from aureole.cli import options, output
+from aureole.cli.options import FILES
+
+app = typer.Typer(
+    help="Find the lights that pictures show, and follow them through a shot.",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+)
+
+LIGHTS, TRACKS = "Lights", "Tracks"
+AUTO = "auto"
+
+Out = Annotated[
+    Path,
+    typer.Option(
+        "--output", "-o", help="File of lights, a line each, to write: .jsonl.", rich_help_panel=FILES
+    ),
+]
+Threshold = Annotated[
+    str,
+    typer.Option(
+        "--threshold",
+        help="Luminance of a pixel that belongs to a light. auto: 16 times the median, but at least a "
+        "thousandth of the brightest; one for all frames.",
+        rich_help_panel=LIGHTS,
+    ),
+]
+Most = Annotated[
+    int, typer.Option("--most", help="Of each picture, so many with most light.", rich_help_panel=LIGHTS)
+]
+Connect = Annotated[
+    int,
+    typer.Option(
+        "--connect", help="Regions fewer than so many pixels apart are one light.", rich_help_panel=LIGHTS
+    ),
+]
+
+
+@app.command()
+def find(
+    source: options.Source,
+    out: Out,
+    threshold: Threshold = AUTO,
+    most: Most = glare.MOST_LAMPS,
+    connect: Connect = 1,
+    preview: options.Preview = None,
+    memory: options.Memory = None,
+    as_json: options.Json = False,
+) -> None:
+    """Find the lights of a picture: where each stands, how strong, how large and of which colour it is.
+
+    A light is a connected region of bright pixels with those that it covers in part. Its light is counted
+    above the ground on which it lies.
+
+    Examples:
+
+        aureole lights find night.exr -o lights.jsonl --preview lights.png
+
+        aureole lights find night.exr -o lights.jsonl --threshold 50 --most 20 --json
+    """
+    start = time.perf_counter()
+    written = _places(out, preview)
+    job = jobs.LightsJob(
+        ((None, source),), _threshold(threshold), most, connect, memory=options.memory(memory)
+    )
+    result = output.follow(jobs.run(job))
+    glare.write_lamps(out, result.lamps)
+    if preview is not None:
+        given = picture.read(source, memory=job.memory)
+        output.write_display(preview, jobs.lights_drawing(given, result.lamps.sightings))
+    _report("lights", result.report, "brightest", written, as_json, time.perf_counter() - start)
+
+
+@app.command()
+def track(
+    source: Annotated[
+        Path, typer.Argument(metavar="IN", help="Pictures of a shot, #### for the frame's number.")
+    ],
+    out: Out,
+    which: Annotated[
+        str, typer.Option("--frames", help="Such as 1001-1240 or 1-100x2.", rich_help_panel=FILES)
+    ],
+    threshold: Threshold = AUTO,
+    most: Most = glare.MOST_LAMPS,
+    connect: Connect = 1,
+    reach: Annotated[
+        float | None,
+        typer.Option(
+            "--reach",
+            help="Pixels that a light may be from where it is looked for; a fortieth of the width without it.",
+            rich_help_panel=TRACKS,
+        ),
+    ] = None,
+    patience: Annotated[
+        int,
+        typer.Option(
+            "--patience",
+            help="So many frames a light may be hidden and keep its number.",
+            rich_help_panel=TRACKS,
+        ),
+    ] = glare.PATIENCE,
+    least: Annotated[
+        int,
+        typer.Option("--least", help="Leave out lights seen in fewer frames.", rich_help_panel=TRACKS),
+    ] = 1,
+    preview: Annotated[
+        Path | None,
+        typer.Option(
+            "--preview", help="Also write PNGs with the lights marked: look.####.png.", rich_help_panel=FILES
+        ),
+    ] = None,
+    memory: options.Memory = None,
+    as_json: options.Json = False,
+) -> None:
+    """Follow the lights of a shot: each keeps its number from frame to frame.
+
+    A light is looked for where it would stand if it moved on as before. One that passes behind something
+    keeps its number, and two whose images run together for a while part as the two that they were.
+
+    Examples:
+
+        aureole lights track shot.####.exr --frames 1001-1048 -o lights.jsonl
+
+        aureole lights track shot.####.exr --frames 1001-1048 -o lights.jsonl --least 3 --preview look.####.png
+    """
+    start = time.perf_counter()
+    written = _places(out, None)
+    wanted = numbered.numbers(which)
+    looks = {} if preview is None else {number: numbered.frame(preview, number) for number in wanted}
+    output.places(*looks.values())
+    job = jobs.LightsJob(
+        tuple((number, numbered.frame(source, number)) for number in wanted),
+        _threshold(threshold),
+        most,
+        connect,
+        True,
+        None if reach is None else refuse.positive("reach", reach),
+        patience,
+        least,
+        options.memory(memory),
+    )
+    result = output.follow(jobs.run(job))
+    glare.write_lamps(out, result.lamps)
+    _write_looks(job, result.lamps, looks)
+    written += looks.values()
+    _report("lights", result.report, "tracks", written, as_json, time.perf_counter() - start)
+
+
+def _places(out: Path, preview: Path | None) -> list[Path]:
+    """Refuse, before any work, files that could not be written."""
+    refuse.one_of("suffix of the output", out.suffix.lower(), (".jsonl",))
+    return [picture.writable(out), *output.places(preview)]
+
+
+def _threshold(text: str) -> float | None:
+    if text == AUTO:
+        return None
+    try:
+        value = float(text)
+    except ValueError:
+        raise refuse.Refusal(f"'threshold' must be auto or a luminance such as 50, got '{text}'.") from None
+    return refuse.positive("threshold", value)
+
+
+def _write_looks(job: jobs.LightsJob, lamps: glare.LampList, looks: dict[int, Path]) -> None:
+    trails: dict[int, list[tuple[float, float]]] = {}
+    for number, path in job.pictures:
+        if number not in looks:
+            continue
+        seen = lamps.at(number)
+        given = picture.read(path, memory=job.memory)
+        output.write_display(looks[number], jobs.lights_drawing(given, seen, trails))
+        for sighting in seen:
+            trails.setdefault(sighting.id, []).append(sighting.lamp.place)
+
+
+def _report(
+    title: str, report: dict[str, Any], listed: str, files: list[Path], as_json: bool, seconds: float
+) -> None:
+    """Print what was found: for people, its list as a table of its own."""
+    if as_json:
+        output.report(title, report, files, True, seconds)
+        return
+    output.report(
+        title, {key: value for key, value in report.items() if key != listed}, files, False, seconds
+    )
+    lines = report[listed]
+    if not lines:
+        return
+    table = Table(box=None, pad_edge=False)
+    for heading in lines[0]:
+        table.add_column(heading.replace("_", " ").replace(" pixels", ""), justify="right", no_wrap=True)
+    for line in lines:
+        table.add_row(*(_shown(value) for value in line.values()))
+    Console().print(table)
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, list):
+        return ", ".join(_shown(part) for part in value)
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
