@@ -99,7 +99,7 @@ def track(
         float | None,
         typer.Option(
             "--reach",
-            help="Pixels that a light may be from where it is looked for; a fortieth of the width without it.",
+            help="Pixels that a light may be from where it is looked for; else a fortieth of the width.",
             rich_help_panel=TRACKS,
         ),
     ] = None,
@@ -133,7 +133,8 @@ def track(
 
         aureole lights track shot.####.exr --frames 1001-1048 -o lights.jsonl
 
-        aureole lights track shot.####.exr --frames 1001-1048 -o lights.jsonl --least 3 --preview look.####.png
+        aureole lights track shot.####.exr --frames 1001-1048 -o lights.jsonl --least 3
+        --preview look.####.png
     """
     start = time.perf_counter()
     written = _places(out, None)

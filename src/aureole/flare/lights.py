@@ -10,11 +10,11 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from aureole import light, refuse
 from aureole.flare.paraxial import focal_length
 from aureole.flare.prescription import Lens
+from aureole.picture import Regions, bright_labels, measured_regions
 from aureole.records import Light, Picture, Spectrum
 
 # No lens here sees a light beside itself; the tangent has no end there.
@@ -293,17 +293,10 @@ def find_lights(
     refuse.positive("threshold", threshold)
     xyz = np.maximum(np.asarray(light.convert(picture, "xyz").pixels[..., :3], dtype=np.float64), 0.0)
     luminance = xyz[..., 1]
-    bright = luminance > threshold
-    near = bright
-    if refuse.at_least("connect", connect, 1) > 1:
-        near = ndimage.binary_dilation(bright, np.ones((3, 3), dtype=bool), iterations=connect // 2)
-    regions, count = ndimage.label(near, structure=np.ones((3, 3), dtype=int))
-    regions = np.where(bright, regions, 0)
-    numbers = np.arange(1, count + 1)
-    flux = np.asarray(ndimage.sum_labels(luminance, regions, numbers))
-    brightest = numbers[np.argsort(-flux, kind="stable")[: refuse.at_least("most", most, 1)]]
+    found = measured_regions(bright_labels(luminance, threshold, connect), luminance, xyz)
     shape = (int(luminance.shape[0]), int(luminance.shape[1]))
-    return [_light_of(xyz, regions == number, lens, shape) for number in brightest]
+    count = min(len(found), refuse.at_least("most", most, 1))
+    return [_light_of(found, k, lens, shape) for k in range(count)]
 
 
 def checked(source: Light) -> Light:
@@ -365,22 +358,16 @@ def _same(one: Spectrum, other: Spectrum) -> bool:
     )
 
 
-def _light_of(xyz: Numbers, region: NDArray[np.bool_], lens: Lens, shape: tuple[int, int]) -> Light:
+def _light_of(found: Regions, k: int, lens: Lens, shape: tuple[int, int]) -> Light:
     """Return the light that a region of a picture is."""
-    rows, columns = np.nonzero(region)
-    seen = xyz[rows, columns]
-    flux = seen[:, 1].sum()
-    centre = (
-        float((columns + 0.5) @ seen[:, 1] / flux),
-        float((rows + 0.5) @ seen[:, 1] / flux),
-    )
-    mean = light.from_xyz(seen.sum(axis=0) / flux, "rec709")
+    flux, centre = float(found.flux[k]), (float(found.places[k, 0]), float(found.places[k, 1]))
+    mean = light.from_xyz(found.colour[k] / flux, "rec709")
     spectrum = colour_spectrum(np.maximum(mean, 0.0))
     # A single pixel is a point: its size is the picture's, not the light's.
     scale_x, scale_y = pixels_per_tangent(lens, shape)
-    area = len(rows) / (scale_x * scale_y) if len(rows) > 1 else 0.0
+    area = found.areas[k] / (scale_x * scale_y) if found.areas[k] > 1 else 0.0
     size = 2.0 * math.atan(math.sqrt(area / math.pi))
-    return light_on_picture(lens, centre, shape, spectrum, float(flux), size)
+    return light_on_picture(lens, centre, shape, spectrum, flux, size)
 
 
 def _towards(x: float, y: float, spectrum: Spectrum | None, irradiance: float, angular_size: float) -> Light:

@@ -19,9 +19,8 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
-from aureole import light, picture, refuse
+from aureole import picture, refuse
 from aureole.glare import _kernels_half
 from aureole.glare.eye_composite import (
     BORDERS,
@@ -35,6 +34,7 @@ from aureole.glare.eye_composite import (
     solid_angle_weights,
     tangent_pitch,
 )
+from aureole.glare.lamps import luminances
 from aureole.glare.sources import refuse_other_space
 from aureole.records import Picture
 
@@ -261,18 +261,16 @@ def _brightest(
     source: Picture, weights: NDArray[np.float32], count: int, threshold: float | None
 ) -> list[tuple[NDArray[np.float32], tuple[float, float]]]:
     """Return the masks and places of the sources with most light, the strongest first."""
-    luminance = source.pixels[..., :3] @ light.SPACES[source.colour_space].to_xyz[1].astype(np.float32)
+    luminance = luminances(source)
     if threshold is None:
         threshold = SOURCE_SHARE * float(luminance.max())
     level = refuse.finite("threshold", threshold)
-    labels, found = ndimage.label(luminance > max(level, 0), np.ones((3, 3)))
-    if found == 0 or refuse.at_least("count", count, 0) == 0:
-        return []
-    lit, numbers = luminance * weights, np.arange(1, found + 1)
-    order = np.argsort(ndimage.sum_labels(lit, labels, numbers), kind="stable")[::-1][:count]
-    places = ndimage.center_of_mass(lit, labels, numbers[order])
-    masks = [(labels == number).astype(np.float32) for number in numbers[order]]
-    return [(mask, (float(y), float(x))) for mask, (y, x) in zip(masks, places, strict=True)]
+    found = picture.measured_regions(picture.bright_labels(luminance, max(level, 0)), luminance * weights)
+    # Directions count from the middle of pixels.
+    return [
+        ((found.labels == k + 1).astype(np.float32), (float(y) - 0.5, float(x) - 0.5))
+        for k, (x, y) in enumerate(found.places[: refuse.at_least("count", count, 0)])
+    ]
 
 
 def _nodes(length: int, count: int) -> list[float]:

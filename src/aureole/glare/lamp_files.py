@@ -169,9 +169,7 @@ def _sighting(where: str, values: dict[str, Any], frame: int | None, order: int)
         (int(box[0]), int(box[1]), int(box[2]), int(box[3])),
         refuse.finite(f"{where}: peak", values.get("peak", 0.0)),
     )
-    merged = tuple(
-        int(part) for part in _numbers(where, "merged", values.get("merged", []), None, whole=True)
-    )
+    merged = tuple(_numbers(where, "merged", values.get("merged", []), None, whole=True))
     return Sighting(frame, _whole(where, "id", values.get("id", order), 1), lamp, merged)
 
 

@@ -8,11 +8,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import ndimage
 
-from aureole import flare, light, refuse
+from aureole import flare, light, picture, refuse
 from aureole.flare.prescription import Lens
+from aureole.glare import luminances
 from aureole.records import Light, Picture, Spectrum
 
 # Of the picture's width: how far from its place a light's brightest pixel may lie.
@@ -144,7 +143,7 @@ def found_lights(scene: Scene, threshold: float, most: int = MOST_LIGHTS) -> lis
     seen = Picture(whole, scene.over.colour_space)
     found = flare.find_lights(seen, scene.lens, refuse.positive("find-lights", threshold), most)
     if not found:
-        brightest = float(_luminances(seen).max())
+        brightest = float(luminances(seen).max())
         raise refuse.Refusal(
             f"'find-lights' finds nothing brighter than {threshold:g}; "
             f"the brightest pixel is {brightest:.4g}."
@@ -181,7 +180,7 @@ def measured(scene: Scene, point: Light) -> tuple[float, float, float]:
             f"the light at {x:.0f},{y:.0f} pixels is off the picture, which cannot say how strong it is; "
             "give --strength."
         )
-    luminance = _luminances(scene.over)
+    luminance = luminances(scene.over)
     reach = max(math.ceil(SEARCH * columns), 2)
     top, left = max(int(y) - reach, 0), max(int(x) - reach, 0)
     near = luminance[top : int(y) + reach + 1, left : int(x) + reach + 1]
@@ -189,15 +188,10 @@ def measured(scene: Scene, point: Light) -> tuple[float, float, float]:
     peak = float(near[brightest])
     if peak <= 0:
         raise refuse.Refusal(f"the picture is black at {x:.0f},{y:.0f} pixels; give --strength.")
-    regions, _ = ndimage.label(luminance >= EDGE * peak, structure=np.ones((3, 3)))
+    regions = picture.bright_labels(luminance, EDGE * peak)
     lit = regions == regions[top + brightest[0], left + brightest[1]]
     red, green, blue = np.maximum(scene.over.pixels[..., :3][lit].sum(axis=0, dtype=np.float64), 0.0)
     return float(red), float(green), float(blue)
-
-
-def _luminances(source: Picture) -> NDArray[np.float64]:
-    weights = light.SPACES[source.colour_space].to_xyz[1]
-    return np.asarray(source.pixels[..., :3] @ weights, dtype=np.float64)
 
 
 def _luminance(colour: tuple[float, float, float], scene: Scene) -> float:
