@@ -64,7 +64,7 @@ from aureole.jobs.glare_sequence import GlareMaker
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
 from aureole.jobs.lens_ghosts import lens_ghosts
-from aureole.jobs.lights import LightsJob, LightsResult
+from aureole.jobs.lights import LightsJob, LightsResult, shown_lamps, shown_shape
 from aureole.jobs.lights_preview import lights_drawing
 from aureole.jobs.measures import PupilMeasures, pupil_measures
 from aureole.jobs.near_field import NearFieldJob, NearFieldResult
@@ -185,6 +185,8 @@ __all__ = [
     "run",
     "run_frame",
     "sequence_tasks",
+    "shown_lamps",
+    "shown_shape",
     "surface_from_bokeh",
     "usual_shape",
     "video_stages",

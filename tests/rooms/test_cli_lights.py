@@ -1,0 +1,132 @@
+"""`aureole lights`: find and track, as a person types them."""
+
+import json
+
+import numpy as np
+import pytest
+
+from aureole import Picture, glare, jobs, picture
+from aureole.cli.main import run
+
+
+def told(words, capsys):
+    assert run([str(word) for word in words]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def refused(words, capsys):
+    assert run([str(word) for word in words]) == 2
+    said = capsys.readouterr()
+    lines = said.err.strip().splitlines()
+    assert len(lines) == 1
+    return lines[0]
+
+
+def frame_of(n):
+    """Two lamps that pass each other in front of a dim wall; the first is hidden in frames 5 and 6."""
+    pixels = np.full((60, 120, 3), 0.05, dtype=np.float32)
+    if n not in (5, 6):
+        pixels[20:23, 10 + 8 * n : 13 + 8 * n] = (40.0, 30.0, 20.0)
+    pixels[35:37, 110 - 8 * n : 112 - 8 * n] = (5.0, 6.0, 9.0)
+    return Picture(pixels)
+
+
+@pytest.fixture
+def shot(tmp_path):
+    for n in range(1, 11):
+        picture.write(tmp_path / f"shot.{n:04d}.exr", frame_of(n))
+    return tmp_path
+
+
+def test_find_writes_the_lights_and_marks_them(shot, capsys):
+    out, look = shot / "found.jsonl", shot / "look.png"
+    report = told(["lights", "find", shot / "shot.0001.exr", "-o", out, "--preview", look, "--json"], capsys)
+    assert report["lights"] == 2
+    assert report["size"] == [120, 60]
+    assert report["brightest"][0]["place_pixels"] == pytest.approx([19.5, 21.5])
+    found = glare.read_lamps(out)
+    assert [seen.lamp.place for seen in found.sightings] == [
+        pytest.approx((19.5, 21.5)),
+        pytest.approx((103, 36)),
+    ]
+    assert found.threshold == pytest.approx(0.8)
+    drawn = picture.read(look).pixels
+    assert drawn.shape == (60, 120, 3)
+    # Round the brighter lamp there is more to be seen than in the picture itself.
+    plain = picture.to_display(frame_of(1))
+    assert np.abs(picture.encode_srgb(drawn) - plain)[10:33, 8:31].max() > 0.3
+    assert np.abs(picture.encode_srgb(drawn) - plain)[50:, 40:70].max() < 0.02
+
+
+def test_a_threshold_can_be_given(shot, capsys):
+    out = shot / "found.jsonl"
+    words = ["lights", "find", shot / "shot.0001.exr", "-o", out, "--threshold", 20, "--json"]
+    assert told(words, capsys)["lights"] == 1
+    assert told([*words[:-3], "--threshold", "0.1", "--most", "1", "--json"], capsys)["lights"] == 1
+
+
+def test_track_numbers_lights_through_the_shot(shot, capsys):
+    out, looks = shot / "tracks.jsonl", shot / "look.####.png"
+    report = told(
+        [
+            "lights",
+            "track",
+            shot / "shot.####.exr",
+            "--frames",
+            "1-10",
+            "-o",
+            out,
+            "--preview",
+            looks,
+            "--json",
+        ],
+        capsys,
+    )
+    assert report["lights"] == 2
+    assert [line["frames"] for line in report["tracks"]] == [8, 10]
+    found = glare.read_lamps(out)
+    assert found.frames == tuple(range(1, 11))
+    assert [[seen.id for seen in found.at(n)] for n in (1, 5, 8)] == [[1, 2], [2], [1, 2]]
+    places = [seen.lamp.place[0] for seen in found.sightings if seen.id == 1]
+    assert places == pytest.approx([11.5 + 8 * n for n in range(1, 11) if n not in (5, 6)])
+    assert all((shot / f"look.{n:04d}.png").exists() for n in range(1, 11))
+
+
+def test_people_are_told_in_tables(shot, capsys):
+    assert run(["lights", "find", str(shot / "shot.0001.exr"), "-o", str(shot / "a.jsonl")]) == 0
+    assert "19.5, 21.5" in capsys.readouterr().out
+    words = ["lights", "track", str(shot / "shot.####.exr"), "--frames", "1-3", "-o", str(shot / "a.jsonl")]
+    assert run(words) == 0
+    assert "first frame" in capsys.readouterr().out
+
+
+def test_places_count_from_what_is_shown():
+    """A picture with pixels beyond what it shows: its lights stand where a viewer sees them."""
+    lamps = [glare.Lamp((10.0, 5.0), 1.0, box=(8, 3, 12, 7))]
+    assert jobs.shown_lamps(frame_of(1), lamps) == lamps
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["find", "{0}/shot.0001.exr", "-o", "{0}/a.exr"], "'suffix of the output' must be one of '.jsonl'"),
+        (["find", "{0}/none.exr", "-o", "{0}/a.jsonl"], "none.exr"),
+        (
+            ["find", "{0}/shot.0001.exr", "-o", "{0}/a.jsonl", "--threshold", "x"],
+            "must be auto or a",
+        ),
+        (["find", "{0}/shot.0001.exr", "-o", "{0}/a.jsonl", "--most", "0"], "'most' must be an integer >= 1"),
+        (["track", "{0}/shot.exr", "--frames", "1-2", "-o", "{0}/a.jsonl"], "must have one run of #"),
+        (["track", "{0}/shot.####.exr", "--frames", "9-11", "-o", "{0}/a.jsonl"], "shot.0011.exr"),
+        (["track", "{0}/shot.####.exr", "--frames", "2-1", "-o", "{0}/a.jsonl"], "'frames' must be frames"),
+    ],
+)
+def test_refusals(words, said, shot, capsys):
+    assert said in refused(["lights", *(word.format(shot) for word in words)], capsys)
+    assert not (shot / "a.jsonl").exists()
+
+
+def test_frames_must_be_alike(shot, capsys):
+    picture.write(shot / "shot.0011.exr", Picture(np.ones((60, 100, 3), dtype=np.float32)))
+    words = ["lights", "track", shot / "shot.####.exr", "--frames", "9-11", "-o", shot / "a.jsonl"]
+    assert "must have the size and colour space of" in refused(words, capsys)
