@@ -97,7 +97,10 @@ def test_people_are_told_in_tables(shot, capsys):
     assert "19.5, 21.5" in capsys.readouterr().out
     words = ["lights", "track", str(shot / "shot.####.exr"), "--frames", "1-3", "-o", str(shot / "a.jsonl")]
     assert run(words) == 0
-    assert "first frame" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "merged" in said
+    assert "19.5, 21.5" in said
+    assert "103, 36" in said
 
 
 def test_places_count_from_what_is_shown():

@@ -21,6 +21,17 @@ app = typer.Typer(
 
 LIGHTS, TRACKS = "Lights", "Tracks"
 AUTO = "auto"
+# What the columns of the report are called where a person reads them, who has eighty signs across.
+HEADINGS = {
+    "place_pixels": "place",
+    "size_pixels": "size",
+    "first_frame": "first",
+    "last_frame": "last",
+    "merged_frames": "merged",
+    "largest_flux": "flux",
+    "from_pixels": "from",
+    "to_pixels": "to",
+}
 
 Out = Annotated[
     Path,
@@ -202,7 +213,7 @@ def _report(
         return
     table = Table(box=None, pad_edge=False)
     for heading in lines[0]:
-        table.add_column(heading.replace("_", " ").replace(" pixels", ""), justify="right", no_wrap=True)
+        table.add_column(HEADINGS.get(heading, heading), justify="right", no_wrap=True)
     for line in lines:
         table.add_row(*(_shown(value) for value in line.values()))
     Console().print(table)
