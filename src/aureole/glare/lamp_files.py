@@ -11,6 +11,7 @@ A first line may say what holds for all:
 """
 
 import json
+import math
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -157,7 +158,7 @@ def _header(where: str, values: dict[str, Any]) -> dict[str, Any]:
 
 def _sighting(where: str, values: dict[str, Any], frame: int | None, order: int) -> Sighting:
     _known(where, values, KEYS)
-    place = [refuse.finite(f"{where}: {name}", values.get(name)) for name in ("x", "y")]
+    place = [refuse.finite(f"{where}: {name}", values.get(name, math.nan)) for name in ("x", "y")]
     colour = _numbers(where, "colour", values.get("colour", [1.0, 1.0, 1.0]), 3)
     box = _numbers(where, "box", values.get("box", [0, 0, 0, 0]), 4, whole=True)
     size = refuse.between(f"{where}: size", values.get("size", 0.0), 0.0, 1e6)

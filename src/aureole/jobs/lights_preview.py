@@ -1,6 +1,7 @@
 """A picture with its lights marked: a circle about each, its number, and the way that it came."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +49,7 @@ def lights_drawing(
     rows, columns = shown.shape[:2]
     scale = max(rows / ROWS, 0.5)
     figure = Figure(figsize=(columns / DPI, rows / DPI), dpi=DPI, frameon=False)
-    canvas = FigureCanvasAgg(figure)
+    canvas: Any = FigureCanvasAgg(figure)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     axes.set_axis_off()
     axes.set_xlim(corner[0], corner[0] + columns)
@@ -57,12 +58,12 @@ def lights_drawing(
         _mark(axes, sighting, (trails or {}).get(sighting.id, ()), scale)
     figure.patch.set_alpha(0.0)
     canvas.draw()
-    marks = np.asarray(canvas.buffer_rgba(), dtype=np.float32)[:rows, :columns] / np.float32(255)
+    marks = np.asarray(canvas.buffer_rgba(), np.float32)[:rows, :columns] / np.float32(255)
     share = marks[..., 3:]
     return np.asarray(shown * (1 - share) + marks[..., :3] * share, dtype=np.float32)
 
 
-def _mark(axes, sighting, trail, scale):  # type: ignore[no-untyped-def]
+def _mark(axes: Any, sighting: Sighting, trail: Sequence[tuple[float, float]], scale: float) -> None:
     from matplotlib.patches import Circle
 
     colour = COLOURS[(sighting.id - 1) % len(COLOURS)]

@@ -130,12 +130,12 @@ def measured_regions(
         edge = np.nonzero(around)
         own -= _means(around[edge] - 1, strength[edge][:, None], count)[which, 0]
         hues -= _means(around[edge] - 1, channels[edge], count)[which]
-    flux = np.bincount(which, own, count)
+    flux = np.asarray(np.bincount(which, own, count), dtype=np.float64)
     areas = np.bincount(which, minlength=count)
     order = np.argsort(-flux, kind="stable")
     order = order[(areas[order] > 0) & ((flux[order] > 0) | (not above_ground))]
     boxes = _boxes(labels)[order]
-    centres, spread = _moments(which, own, np.stack([columns, rows], axis=1) + 0.5, count)
+    centres, spread = _moments(which, own, np.stack([columns, rows], axis=1).astype(np.float64) + 0.5, count)
     renumbered = np.zeros(count + 1, dtype=np.intp)
     renumbered[order + 1] = np.arange(1, len(order) + 1)
     diameters = 4.0 * np.sqrt(np.maximum(spread[order] - PIXEL_VARIANCE, 0.0))
