@@ -102,8 +102,8 @@ def test_names_lead_to_no_other_folder():
 def test_an_unknown_kind_is_refused():
     for ask in (presets.names, lambda kind: presets.load(kind, "circle")):
         with refused(
-            "'kind' must be one of 'cameras', 'eyes', 'glasses', 'gratings', 'irises', 'lenses', got 'iris'. "
-            "Did you mean 'irises'?"
+            "'kind' must be one of 'cameras', 'eyes', 'glasses', 'gratings', 'irises', 'jobs', 'lenses', "
+            "got 'iris'. Did you mean 'irises'?"
         ):
             ask("iris")
 

@@ -3,11 +3,14 @@
 import pathlib
 import re
 import shlex
+from typing import Any
 
 import pytest
 from typer.main import get_command
 
 import aureole
+from aureole import presets
+from aureole.cli import job_commands
 from aureole.cli.app import app
 
 ROOT = pathlib.Path(__file__).parents[2]
@@ -36,6 +39,17 @@ def parse(line: str) -> None:
         words = [*context._protected_args, *context.args]
         name, command, words = command.resolve_command(context, words)
         context = command.make_context(name, list(words), parent=context)
+    if command.name == "run":
+        parse_job(context)
+
+
+def parse_job(context: Any) -> None:
+    """Parse the command that a job file names, with the file and the words after it."""
+    file, root = context.params["job"], context.find_root()
+    name = presets.load("jobs", file).command
+    dict(job_commands.commands(root.command))[name].make_context(
+        name, ["--config", file, *context.args], parent=root
+    )
 
 
 def links() -> list[tuple[pathlib.Path, str]]:
@@ -48,7 +62,27 @@ def links() -> list[tuple[pathlib.Path, str]]:
     return found
 
 
+def job_files() -> list[tuple[str, str]]:
+    """Every job file that a page shows: a fence marked toml, whose first line is a comment with its name."""
+    shown = [page.read_text(encoding="utf-8") for page in PAGES]
+    return [
+        found
+        for text in shown
+        for found in re.findall(r"^```toml\n# (\S+\.toml)\n(.*?)^```", text, re.M | re.S)
+    ]
+
+
+@pytest.fixture
+def manuals_files(tmp_path, monkeypatch):
+    """Stand in a folder with the job files of the manual."""
+    monkeypatch.chdir(tmp_path)
+    for name, text in job_files():
+        assert not (tmp_path / name).exists() or (tmp_path / name).read_text(encoding="utf-8") == text, name
+        (tmp_path / name).write_text(text, encoding="utf-8")
+
+
 @pytest.mark.parametrize("line", commands())
+@pytest.mark.usefixtures("manuals_files")
 def test_commands_of_the_manual_parse(line):
     parse(line)
 

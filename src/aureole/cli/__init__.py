@@ -24,6 +24,8 @@ surface_options  flags of surfaces and of their tables
 surface_measure_options  flags of photographs, of the bench, and of their processing
 surface_render_options  flags of objects, lamps, cameras and materials
 moving    flags of animations, and the files of their frames
+job_commands  job files for every command; the command `aureole run`
+job_files  flags read from TOML and written to it
 frames    numbered files: names with ####, lists of frames
 output    progress, reports, and files that appear whole
 views     previews, and mattes read from files

@@ -6,7 +6,20 @@ from typing import Annotated
 import typer
 
 from aureole import jobs, light, presets, refuse, units
-from aureole.cli import bench, eye, flare, glare, lens, lights, nearfield, options, output, runs, surface
+from aureole.cli import (
+    bench,
+    eye,
+    flare,
+    glare,
+    job_commands,
+    lens,
+    lights,
+    nearfield,
+    options,
+    output,
+    runs,
+    surface,
+)
 from aureole.cli.options import FILES, ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, with_flags
 
@@ -200,3 +213,14 @@ def list_presets(as_json: options.Json = False) -> None:
         return
     for kind, titles in found.items():
         output.table(kind, titles)
+
+
+job_commands.teach(app)
+# This one reads a job file itself, and hands it to the command that the file names.
+app.command(
+    context_settings={
+        "allow_extra_args": True,
+        "ignore_unknown_options": True,
+        "allow_interspersed_args": False,
+    }
+)(job_commands.run)

@@ -1,12 +1,12 @@
 """A lens written back as TOML, so that what is imported can be read and mended by hand."""
 
-import json
 import os
 
 from aureole import picture
 from aureole.flare.coating import Layer
 from aureole.flare.glass import AIR, Glass
 from aureole.flare.prescription import MM_PER_M, Lens, Surface
+from aureole.presets import toml_text as _text
 
 # Digits that bring a number of millimetres back through metres unchanged.
 DIGITS = 12
@@ -106,8 +106,3 @@ def _mm(metres: float) -> str:
 
 def _number(value: float) -> str:
     return f"{value:.{DIGITS}g}"
-
-
-def _text(word: str) -> str:
-    # Strings of TOML and of JSON have the same escapes.
-    return json.dumps(word, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from aureole import refuse
 from aureole.presets.eye_model import EyePreset
 from aureole.presets.grating_model import GratingPreset
+from aureole.presets.job_model import JobPreset
 from aureole.presets.lens_model import GlassCatalogue, LensPreset
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -88,6 +89,7 @@ KINDS: dict[str, type[BaseModel]] = {
     "glasses": GlassCatalogue,
     "gratings": GratingPreset,
     "irises": IrisPreset,
+    "jobs": JobPreset,
     "lenses": LensPreset,
 }
 
