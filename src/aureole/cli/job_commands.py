@@ -232,7 +232,7 @@ def _write(place: Path, text: str) -> None:
 
 def _refusal(error: Any, lines: Mapping[str, Line], typed: Mapping[str, Any]) -> refuse.Refusal | None:
     """Return the refusal of a file's value; None where the value was typed."""
-    key = None if error.param is None else key_of(error.param)
+    key = "" if error.param is None else key_of(error.param)
     if key not in lines or is_given(typed.get(error.param.name)):
         return None
     message = " ".join(str(error.message).split()).rstrip(".")

@@ -74,7 +74,7 @@ def read(files: Sequence[str], without: Sequence[str], command: str, keys: Seque
         found = presets.load("jobs", name)
         if found.command not in ("", command):
             raise refuse.Refusal(
-                f"'{name}' is a job of `aureole {found.command}`, not of `aureole {command}`."
+                f"'{name}' is a job of 'aureole {found.command}', not of 'aureole {command}'."
             )
         for key, value in found.job.items():
             if key not in keys:
