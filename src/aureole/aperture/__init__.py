@@ -12,6 +12,7 @@ fibres     rings of radial gratings
 lashes     lids and lashes before a pupil
 bands      work on a picture in bands of rows, on all cores
 clipping   what of a ring lies within a circle, arcs kept exact
+occluders  what stands between a light and an opening, and its shadow
 obstructions  central discs, spider vanes, round shadows, and cat's eyes
 screens    half planes, and obstacles with nothing around them
 wavefront  wavefront errors of openings, and what pixels do to a wave
@@ -40,6 +41,7 @@ from aureole.aperture.geometry import (
 from aureole.aperture.lashes import Lids, close_lids, lash_coverage, lashes, lids
 from aureole.aperture.masks import from_mask, from_picture, rasterize
 from aureole.aperture.obstructions import cats_eye, obstruction, shadow, spiders
+from aureole.aperture.occluders import Occluder, occluder, railing, seen_past
 from aureole.aperture.particles import (
     Discs,
     disc_coverage,
@@ -68,6 +70,7 @@ __all__ = [
     "Discs",
     "Fibres",
     "Lids",
+    "Occluder",
     "Term",
     "arc_of",
     "area",
@@ -101,8 +104,10 @@ __all__ = [
     "moved",
     "obstacle",
     "obstruction",
+    "occluder",
     "orientation",
     "polygon",
+    "railing",
     "rasterize",
     "rectangle",
     "ring_moments",
@@ -110,6 +115,7 @@ __all__ = [
     "scaled",
     "scattered",
     "scratches",
+    "seen_past",
     "shadow",
     "spiders",
     "steepest_step",

@@ -7,6 +7,8 @@ sums to 1, and a finite one carries the fraction that it holds.
 camera      cameras, and their point spread functions
 kernel      fading, non-negative kernels, what other programs expect
 composite   replace, scatter and add
+area_light  lights with a size behind what hides parts of them: powers of their points, added up
+area_psf    the same in colour on a camera's pixels, and as a picture of the lamp with its glare
 sources     which light of a picture makes glare: the knee, the matte
 lamps       the lights that a picture shows: place, flux, colour, size
 tracks      the same through a shot, each with a number that stays
@@ -41,6 +43,15 @@ flipbook_error  how far flipbooks are from that wave
 real_time       a moving eye's glare on pictures, many times a second
 """
 
+from aureole.glare.area_light import (
+    AreaLight,
+    AreaPower,
+    LightSamples,
+    area_power,
+    light_samples,
+    sample_openings,
+)
+from aureole.glare.area_psf import AreaPsf, area_glare, area_psf, area_psf_stages
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
 from aureole.glare.composite import MODES, Composition, composite, prepare
 from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
@@ -88,6 +99,9 @@ __all__ = [
     "PATIENCE",
     "RESOLUTIONS",
     "THESIS_WEIGHTS",
+    "AreaLight",
+    "AreaPower",
+    "AreaPsf",
     "Composition",
     "Eye",
     "EyeComposition",
@@ -99,12 +113,17 @@ __all__ = [
     "Lamp",
     "LampList",
     "LampTracker",
+    "LightSamples",
     "Population",
     "RealTimeGlare",
     "Sighting",
     "above_knee",
     "adapted",
     "adapted_after",
+    "area_glare",
+    "area_power",
+    "area_psf",
+    "area_psf_stages",
     "blinks",
     "camera",
     "camera_psf",
@@ -139,6 +158,7 @@ __all__ = [
     "kernel_for",
     "lamp_threshold",
     "lasting",
+    "light_samples",
     "load_flipbooks",
     "luminances",
     "lumps",
@@ -155,6 +175,7 @@ __all__ = [
     "radial_layers",
     "read_lamps",
     "ritschel_diameter",
+    "sample_openings",
     "save_flipbooks",
     "scattered_share",
     "solid_angle_weights",

@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from aureole import aperture as apertures
 from aureole import diffraction, light, refuse
@@ -177,7 +178,7 @@ def camera_psf_stages(
         starburst = stage.result
         yield Stage(0.95 * stage.fraction, stage.label)
     assert isinstance(starburst, Picture)
-    rgb = _in_rgb(starburst, lamp, colour_space)
+    rgb = in_rgb(starburst, lamp, colour_space)
     before = float(rgb.sum(axis=(0, 1), dtype=np.float64).mean())
     rgb *= fade(shape, border_fade)[..., None]
     inside = float(rgb.sum(axis=(0, 1), dtype=np.float64).mean())
@@ -190,8 +191,23 @@ def camera_psf_stages(
     yield Stage(1.0, "point spread function", Picture(rgb, colour_space, metadata))
 
 
-def _in_rgb(starburst: Picture, spectrum: Spectrum, colour_space: str) -> np.ndarray:
-    """Return linear RGB in which the light itself is white, so that channels hold equal energy."""
+def in_rgb(starburst: Picture, spectrum: Spectrum, colour_space: str) -> NDArray[np.float32]:
+    """Return linear RGB in which the light itself is white, so that channels hold equal energy.
+
+    Parameters
+    ----------
+    starburst : Picture
+        XYZ.
+    spectrum : Spectrum
+        The light's.
+    colour_space : str
+        Primaries of the result.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns, 3)
+        A single line's luminance in all channels.
+    """
     if spectrum.kind == "lines" and len(spectrum.wavelengths) == 1:
         return np.repeat(starburst.pixels[..., 1:2], 3, axis=2)
     white = light.white(spectrum)

@@ -1,0 +1,307 @@
+"""A lamp with a size behind occluders, in colour: its point spread function, and its picture with glare.
+
+Each distinct opening that a point of the lamp sees has a starburst of its own, in all wavelengths and
+integrated over the camera's pixels. Their mean, weighed by what each lets through, is the spread of the lamp's
+light about the place where it comes from. The picture of the lamp spreads each of its visible pixels with it,
+in one piece or, where the openings differ much from one side of the lamp to the other, in parts.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from aureole import aperture as apertures
+from aureole import diffraction, light, picture, refuse
+from aureole.aperture import Occluder
+from aureole.glare.area_light import (
+    CELL,
+    STEPS,
+    AreaLight,
+    LightSamples,
+    difference,
+    light_samples,
+    sample_openings,
+)
+from aureole.glare.camera import in_rgb, pupil
+from aureole.glare.kernel import beyond_core
+from aureole.records import Aperture, Camera, Grid, Picture, Spectrum, Stage
+
+# Openings whose corners lie nearer than this part of the width are one.
+SAME_CORNER = 1e-6
+# Pixels about the lamp's own that do not count where patterns are compared.
+CORE = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class AreaPsf:
+    """The spread of a lamp's light, seen past occluders.
+
+    Parameters
+    ----------
+    psf : Picture
+        Linear RGB, its core at (rows // 2, columns // 2); over the infinite plane it sums to `visible`.
+    visible : float
+        Part of the lamp's light that comes in, of what would without occluders.
+    seen : ndarray of float64, shape (across, across)
+        What each cell of the lamp's square sends in, as a share of the lamp's light; it sums to `visible`.
+    openings : int
+        How many distinct openings were computed.
+    error : float
+        Sum of absolute differences from the next coarser samples beyond the core, over the sum; 0 where
+        nothing was compared.
+    """
+
+    psf: Picture
+    visible: float
+    seen: NDArray[np.float64]
+    openings: int
+    error: float = 0.0
+
+
+def area_psf(
+    camera: Camera,
+    lamp: AreaLight,
+    occluders: Sequence[Occluder],
+    shape: tuple[int, int],
+    spectrum: Spectrum | None = None,
+    colour_space: str = "rec709",
+    across: int | None = None,
+    tolerance: float = 0.05,
+    size: int | None = None,
+) -> AreaPsf:
+    """Return how a camera spreads the light of a lamp that stands behind occluders.
+
+    Parameters
+    ----------
+    camera : Camera
+        Any.
+    lamp : AreaLight
+        The lamp.
+    occluders : sequence of Occluder
+        What stands between.
+    shape : tuple of int
+        (rows, columns) of the point spread function.
+    spectrum : Spectrum, optional
+        The lamp's; equal energy unless given.
+    colour_space : str
+        Primaries of the result.
+    across : int, optional
+        Samples across the lamp; without it as many as the tolerance needs, 33 at most.
+    tolerance : float
+        By what part the light beyond the core may change from about half as many samples across.
+    size : int, optional
+        Pixels a side to which openings are rasterized; without it outlines stay exact.
+
+    Returns
+    -------
+    AreaPsf
+        Dark where the lamp is hidden.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number or a choice does not fit.
+    """
+    found = None
+    for stage in area_psf_stages(
+        camera, lamp, occluders, shape, spectrum, colour_space, across, tolerance, size
+    ):
+        found = stage.result
+    assert isinstance(found, AreaPsf)
+    return found
+
+
+def area_psf_stages(
+    camera: Camera,
+    lamp: AreaLight,
+    occluders: Sequence[Occluder],
+    shape: tuple[int, int],
+    spectrum: Spectrum | None = None,
+    colour_space: str = "rec709",
+    across: int | None = None,
+    tolerance: float = 0.05,
+    size: int | None = None,
+) -> Iterator[Stage]:
+    """Do what `area_psf` does, telling how far it is.
+
+    Parameters
+    ----------
+    camera : Camera
+        As in `area_psf`.
+    lamp : AreaLight
+        As in `area_psf`.
+    occluders : sequence of Occluder
+        As in `area_psf`.
+    shape : tuple of int
+        As in `area_psf`.
+    spectrum : Spectrum, optional
+        As in `area_psf`.
+    colour_space : str
+        As in `area_psf`.
+    across : int, optional
+        As in `area_psf`.
+    tolerance : float
+        As in `area_psf`.
+    size : int, optional
+        As in `area_psf`.
+
+    Yields
+    ------
+    Stage
+        The last one holds the `AreaPsf`.
+    """
+    refuse.one_of("colour_space", colour_space, light.SPACES)
+    refuse.positive("tolerance", tolerance)
+    white = light.illuminant("E") if spectrum is None else spectrum
+    bursts = _Starbursts(camera, shape, white, size)
+    counts = STEPS if across is None else (refuse.at_least("across", across, 1),)
+    before: NDArray[np.float32] | None = None
+    error, beyond = 0.0, beyond_core(shape, CORE)[..., None]
+    for step, count in enumerate(counts):
+        samples = light_samples(lamp, count)
+        seen, shares = bursts.shares(lamp, occluders, samples, count)
+        total = np.zeros((*shape, 3), dtype=np.float32)
+        for index, (key, share) in enumerate(shares.items()):
+            yield Stage((step + index / len(shares)) / len(counts), f"lamp of {len(samples.weights)} points")
+            total += np.float32(share) * bursts.of(key)
+        if before is not None:
+            error = difference(total * beyond, before * beyond)
+            if error <= tolerance:
+                break
+        before = total
+    rgb = in_rgb(Picture(total, "xyz"), white, colour_space)
+    psf = Picture(rgb, colour_space, {"pixel_pitch": camera.pixel_pitch})
+    yield Stage(1.0, "lamp", AreaPsf(psf, float(seen.sum()), seen, len(shares), error))
+
+
+class _Starbursts:
+    """Starbursts of a camera's openings on its pixels, each computed once."""
+
+    def __init__(self, camera: Camera, shape: tuple[int, int], spectrum: Spectrum, size: int | None) -> None:
+        pitch_y, pitch_x = camera.pixel_pitch
+        self._grid = Grid(shape, (pitch_y / camera.focal_length, pitch_x / camera.focal_length))
+        self._spectrum, self._size, self._opening = spectrum, size, pupil(camera)
+        if size is None:
+            self._whole = apertures.energy(self._opening)
+        else:
+            painted = apertures.rasterize(self._opening, size)
+            self._whole = apertures.energy(Aperture(self._opening.width, mask=painted))
+        self._openings: dict[bytes, Aperture] = {}
+        self._made: dict[bytes, NDArray[np.float32]] = {}
+
+    def shares(
+        self, lamp: AreaLight, occluders: Sequence[Occluder], samples: LightSamples, across: int
+    ) -> tuple[NDArray[np.float64], dict[bytes, float]]:
+        """Return what each cell of the lamp sends in, and the share of each distinct opening."""
+        seen, shares = np.zeros((across, across)), dict[bytes, float]()
+        opened = sample_openings(self._opening, occluders, lamp, samples, self._size)
+        for (row, column), (weight, opening) in zip(samples.cells, opened, strict=True):
+            if opening is None:
+                continue
+            key = _key(opening)
+            opening = self._openings.setdefault(key, opening)
+            share = weight * min(apertures.energy(opening) / self._whole, 1.0)
+            seen[row, column] = share
+            shares[key] = shares.get(key, 0.0) + share
+        return seen, shares
+
+    def of(self, key: bytes) -> NDArray[np.float32]:
+        """Return the starburst of an opening that was met."""
+        if key not in self._made:
+            opening = self._openings[key]
+            self._made[key] = diffraction.starburst(opening, self._grid, self._spectrum).pixels
+        return self._made[key]
+
+
+def _key(opening: Aperture) -> bytes:
+    """Return bytes that are alike where openings are."""
+    if opening.mask is not None:
+        return opening.mask.tobytes()
+    step = SAME_CORNER * opening.width
+    parts = [np.rint(np.column_stack([r.vertices / step, r.bulges / SAME_CORNER])) for r in opening.outlines]
+    return b"".join(
+        np.append(part, ring.transmittance).tobytes()
+        for part, ring in zip(parts, opening.outlines, strict=True)
+    )
+
+
+def area_glare(
+    found: AreaPsf, camera: Camera, lamp: AreaLight, colour: tuple[float, float, float] = (1.0, 1.0, 1.0)
+) -> Picture:
+    """Return the picture of a lamp with its glare, on black.
+
+    Parameters
+    ----------
+    found : AreaPsf
+        As `area_psf` gives it for this camera and this lamp; its point spread function should reach
+        across the picture.
+    camera : Camera
+        Its resolution is the picture's.
+    lamp : AreaLight
+        The lamp.
+    colour : tuple of float
+        What all pixels of the unhidden lamp would sum to, in each channel.
+
+    Returns
+    -------
+    Picture
+        Shape (rows, columns, 3); what falls within the frame and the point spread function's reach.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the colour is not finite.
+    """
+    strength = refuse.all_finite("colour", refuse.shape_of("colour", colour, (3,))).astype(np.float32)
+    sharp = lamp_picture(found, camera, lamp)
+    if found.visible <= 0:
+        return Picture(np.zeros((*camera.resolution, 3), dtype=np.float32), found.psf.colour_space)
+    kernel = found.psf.pixels / np.float32(found.visible)
+    stacked = np.repeat(sharp[..., None], 3, axis=2)
+    spread = picture.convolve(stacked, kernel, method="fft", precision="double")
+    pixels = (spread * strength).astype(np.float32)
+    return Picture(pixels, found.psf.colour_space)
+
+
+def lamp_picture(found: AreaPsf, camera: Camera, lamp: AreaLight) -> NDArray[np.float32]:
+    """Return where the light comes from that enters the camera: the visible lamp, sharp.
+
+    Parameters
+    ----------
+    found : AreaPsf
+        What each cell of the lamp sends in.
+    camera : Camera
+        Its resolution is the picture's.
+    lamp : AreaLight
+        The lamp.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns)
+        Shares of the lamp's light, each pixel what falls on its square; they sum to what is visible of
+        it within the frame.
+    """
+    across = len(found.seen)
+    fine = apertures.rasterize(lamp.shape, across * CELL).astype(np.float64)
+    parts = fine.reshape(across, CELL, across, CELL)
+    lit = parts.sum(axis=(1, 3))
+    level = np.divide(found.seen, lit, out=np.zeros_like(lit), where=lit > 0)
+    fine = (parts * level[:, None, :, None]).reshape(fine.shape)
+    side = len(fine)
+    # The middle of pixel (rows // 2, columns // 2) is the axis, as of a `Grid`.
+    rows, columns = (
+        _covered(at - lamp.shape.width / 2, lamp.shape.width / side, side, pitch / camera.focal_length, count)
+        for at, pitch, count in zip(lamp.toward[::-1], camera.pixel_pitch, camera.resolution, strict=True)
+    )
+    return np.asarray(rows @ fine @ columns.T, dtype=np.float32)
+
+
+def _covered(first: float, step: float, count: int, pitch: float, pixels: int) -> NDArray[np.float64]:
+    """Return which part of each of a row of strips falls on each pixel, (pixels, count)."""
+    edges = (np.arange(pixels + 1) - pixels // 2 - 0.5) * pitch
+    strips = first + step * np.arange(count + 1)
+    low = np.maximum(strips[None, :-1], edges[:-1, None])
+    high = np.minimum(strips[None, 1:], edges[1:, None])
+    return np.asarray(np.clip(high - low, 0, None) / step)
