@@ -110,9 +110,8 @@ def railing(bar: float, gap: float, count: int, height: float, rotation: float =
     cosine, sine = math.cos(angle), math.sin(angle)
     turn = np.array([[cosine, -sine], [sine, cosine]])
     corners = np.array([[-half, -reach], [half, -reach], [half, reach], [-half, reach]])
-    rings = [
-        Outline((corners + [(k - (count - 1) / 2) * pitch, 0]) @ turn, np.zeros(4)) for k in range(count)
-    ]
+    middles = (np.arange(count) - (count - 1) / 2) * pitch
+    rings = [Outline((corners + np.array([x, 0.0])) @ turn, np.zeros(4)) for x in middles]
     width = 2 * max(float(np.abs(ring.vertices).max()) for ring in rings)
     return Aperture(width, tuple(rings), name=f"railing of {count} bars")
 

@@ -51,7 +51,7 @@ from aureole.glare.area_light import (
     light_samples,
     sample_openings,
 )
-from aureole.glare.area_psf import AreaPsf, area_glare, area_psf, area_psf_stages
+from aureole.glare.area_psf import AreaPsf, area_glare, area_psf, area_psf_stages, lamp_picture
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
 from aureole.glare.composite import MODES, Composition, composite, prepare
 from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
@@ -156,6 +156,7 @@ __all__ = [
     "flipbook_error",
     "hemisphere_energy",
     "kernel_for",
+    "lamp_picture",
     "lamp_threshold",
     "lasting",
     "light_samples",

@@ -1,9 +1,10 @@
 """A lamp with a size behind occluders, in colour: its point spread function, and its picture with glare.
 
 Each distinct opening that a point of the lamp sees has a starburst of its own, in all wavelengths and
-integrated over the camera's pixels. Their mean, weighed by what each lets through, is the spread of the lamp's
-light about the place where it comes from. The picture of the lamp spreads each of its visible pixels with it,
-in one piece or, where the openings differ much from one side of the lamp to the other, in parts.
+integrated over the camera's pixels. Their mean, weighed by what each lets through, is the spread of the
+lamp's light about the place where it comes from, and every visible part of the lamp is spread with it (quad
+paper §6.1). So the glare of each part is that of the whole lamp, moved to its place: exact where all parts
+see alike, and wrong by no more than the lamp's own size elsewhere.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,7 +20,6 @@ from aureole.glare.area_light import (
     CELL,
     STEPS,
     AreaLight,
-    LightSamples,
     difference,
     light_samples,
     sample_openings,
@@ -155,17 +155,19 @@ def area_psf_stages(
     refuse.one_of("colour_space", colour_space, light.SPACES)
     refuse.positive("tolerance", tolerance)
     white = light.illuminant("E") if spectrum is None else spectrum
-    bursts = _Starbursts(camera, shape, white, size)
+    pitch_y, pitch_x = camera.pixel_pitch
+    grid = Grid(shape, (pitch_y / camera.focal_length, pitch_x / camera.focal_length))
     counts = STEPS if across is None else (refuse.at_least("across", across, 1),)
     before: NDArray[np.float32] | None = None
     error, beyond = 0.0, beyond_core(shape, CORE)[..., None]
     for step, count in enumerate(counts):
-        samples = light_samples(lamp, count)
-        seen, shares = bursts.shares(lamp, occluders, samples, count)
+        views = _views(pupil(camera), occluders, lamp, count, size)
         total = np.zeros((*shape, 3), dtype=np.float32)
-        for index, (key, share) in enumerate(shares.items()):
-            yield Stage((step + index / len(shares)) / len(counts), f"lamp of {len(samples.weights)} points")
-            total += np.float32(share) * bursts.of(key)
+        for index, (share, opening) in enumerate(views.openings):
+            yield Stage(
+                (step + index / len(views.openings)) / len(counts), f"lamp seen {count} x {count} times"
+            )
+            total += np.float32(share) * diffraction.starburst(opening, grid, white).pixels
         if before is not None:
             error = difference(total * beyond, before * beyond)
             if error <= tolerance:
@@ -173,46 +175,45 @@ def area_psf_stages(
         before = total
     rgb = in_rgb(Picture(total, "xyz"), white, colour_space)
     psf = Picture(rgb, colour_space, {"pixel_pitch": camera.pixel_pitch})
-    yield Stage(1.0, "lamp", AreaPsf(psf, float(seen.sum()), seen, len(shares), error))
+    yield Stage(1.0, "lamp", AreaPsf(psf, float(views.seen.sum()), views.seen, len(views.openings), error))
 
 
-class _Starbursts:
-    """Starbursts of a camera's openings on its pixels, each computed once."""
+@dataclass(frozen=True, eq=False)
+class _Views:
+    """The distinct openings that a lamp's points see, each with its share of the lamp's light.
 
-    def __init__(self, camera: Camera, shape: tuple[int, int], spectrum: Spectrum, size: int | None) -> None:
-        pitch_y, pitch_x = camera.pixel_pitch
-        self._grid = Grid(shape, (pitch_y / camera.focal_length, pitch_x / camera.focal_length))
-        self._spectrum, self._size, self._opening = spectrum, size, pupil(camera)
-        if size is None:
-            self._whole = apertures.energy(self._opening)
-        else:
-            painted = apertures.rasterize(self._opening, size)
-            self._whole = apertures.energy(Aperture(self._opening.width, mask=painted))
-        self._openings: dict[bytes, Aperture] = {}
-        self._made: dict[bytes, NDArray[np.float32]] = {}
+    Parameters
+    ----------
+    seen : ndarray of float64, shape (across, across)
+        What each cell of the lamp sends in.
+    openings : list of tuple
+        (share, opening).
+    """
 
-    def shares(
-        self, lamp: AreaLight, occluders: Sequence[Occluder], samples: LightSamples, across: int
-    ) -> tuple[NDArray[np.float64], dict[bytes, float]]:
-        """Return what each cell of the lamp sends in, and the share of each distinct opening."""
-        seen, shares = np.zeros((across, across)), dict[bytes, float]()
-        opened = sample_openings(self._opening, occluders, lamp, samples, self._size)
-        for (row, column), (weight, opening) in zip(samples.cells, opened, strict=True):
-            if opening is None:
-                continue
-            key = _key(opening)
-            opening = self._openings.setdefault(key, opening)
-            share = weight * min(apertures.energy(opening) / self._whole, 1.0)
-            seen[row, column] = share
-            shares[key] = shares.get(key, 0.0) + share
-        return seen, shares
+    seen: NDArray[np.float64]
+    openings: list[tuple[float, Aperture]]
 
-    def of(self, key: bytes) -> NDArray[np.float32]:
-        """Return the starburst of an opening that was met."""
-        if key not in self._made:
-            opening = self._openings[key]
-            self._made[key] = diffraction.starburst(opening, self._grid, self._spectrum).pixels
-        return self._made[key]
+
+def _views(
+    opening: Aperture, occluders: Sequence[Occluder], lamp: AreaLight, across: int, size: int | None
+) -> _Views:
+    """Look at the opening from each sample of the lamp, and gather the views that are alike."""
+    whole = opening
+    if size is not None:
+        whole = Aperture(opening.width, mask=apertures.rasterize(opening, size))
+    all_light = apertures.energy(whole)
+    samples = light_samples(lamp, across)
+    seen, shares, kept = np.zeros((across, across)), dict[bytes, float](), dict[bytes, Aperture]()
+    opened = sample_openings(opening, occluders, lamp, samples, size)
+    for (row, column), (weight, left) in zip(samples.cells, opened, strict=True):
+        if left is None:
+            continue
+        key = _key(left)
+        kept.setdefault(key, left)
+        share = weight * min(apertures.energy(left) / all_light, 1.0)
+        seen[row, column] = share
+        shares[key] = shares.get(key, 0.0) + share
+    return _Views(seen, [(share, kept[key]) for key, share in shares.items()])
 
 
 def _key(opening: Aperture) -> bytes:
@@ -220,11 +221,11 @@ def _key(opening: Aperture) -> bytes:
     if opening.mask is not None:
         return opening.mask.tobytes()
     step = SAME_CORNER * opening.width
-    parts = [np.rint(np.column_stack([r.vertices / step, r.bulges / SAME_CORNER])) for r in opening.outlines]
-    return b"".join(
-        np.append(part, ring.transmittance).tobytes()
-        for part, ring in zip(parts, opening.outlines, strict=True)
-    )
+    words = []
+    for ring in opening.outlines:
+        corners = np.rint(np.column_stack([ring.vertices / step, ring.bulges / SAME_CORNER])) + 0.0
+        words.append(np.append(corners, ring.transmittance).tobytes())
+    return b"".join(words)
 
 
 def area_glare(
