@@ -247,21 +247,80 @@ def _summed_power(
 ) -> AreaPower:
     """Sum the powers of the samples' openings, each transformed from its neighbour's change."""
     samples = light_samples(light, across)
-    whole = apertures.energy(apertures.from_mask(apertures.rasterize(opening, size), opening.width))
-    running = diffraction.ProgressiveFarField(grid, size)
-    total, waiting, visible = np.zeros(grid.shape, dtype=np.float32), 0.0, 0.0
-    last: Aperture | None = None
+    whole = apertures.energy(Aperture(opening.width, mask=apertures.rasterize(opening, size)))
+    visible = 0.0
+    total = PowerSum(grid, size)
     for weight, seen in sample_openings(opening, occluders, light, samples, size):
-        if seen is None:
-            continue
-        visible += weight * apertures.energy(seen) / whole
-        if last is not None and np.array_equal(last.mask, seen.mask):  # type: ignore[arg-type]
-            waiting += weight
-            continue
-        if waiting:
-            total += np.float32(waiting) * running.power()
-        running.update(seen)
-        waiting, last = weight, seen
-    if waiting:
-        total += np.float32(waiting) * running.power()
-    return AreaPower(total, min(visible, 1.0), len(samples.weights))
+        if seen is not None:
+            visible += weight * apertures.energy(seen) / whole
+            total.add(seen, weight)
+    return AreaPower(total.result(), min(visible, 1.0), len(samples.weights))
+
+
+class PowerSum:
+    """The weighed sum of the powers of openings that differ little from one to the next.
+
+    Parameters
+    ----------
+    grid : Grid
+        Frequencies in cycles per metre.
+    size : int
+        Pixels a side of the openings.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the grid or the size does not fit.
+    """
+
+    def __init__(self, grid: Grid, size: int = RASTER_SIZE) -> None:
+        self._running = diffraction.ProgressiveFarField(grid, size)
+        # On a grid about zero the upper half says all, but for the first column of even grids.
+        rows, columns = grid.shape
+        self._half = rows // 2 + 1 if grid.centre == (0.0, 0.0) else rows
+        self._total = np.zeros(grid.shape, dtype=np.float32)
+        self._lone = np.s_[self._half :, : 1 - columns % 2]
+        self._last: NDArray[np.float32] | None = None
+        self._waiting = 0.0
+
+    def add(self, opening: Aperture, weight: float) -> None:
+        """Add an opening's power.
+
+        Parameters
+        ----------
+        opening : Aperture
+            A raster; one that is the very one before is not transformed again.
+        weight : float
+            Of its power.
+        """
+        assert opening.mask is not None
+        if self._last is None or not np.array_equal(self._last, opening.mask):
+            self._settle()
+            self._running.update(opening)
+            self._last = opening.mask
+        self._waiting += weight
+
+    def result(self) -> NDArray[np.float32]:
+        """Return the sum so far.
+
+        Returns
+        -------
+        ndarray of float32, shape (rows, columns)
+            A copy.
+        """
+        self._settle()
+        out = self._total.copy()
+        rows, columns = out.shape
+        first = 1 - columns % 2
+        lower = out[self._half :, first:]
+        # Row r is the mirror image of row 2 (rows // 2) − r.
+        lower[...] = out[2 * (rows // 2) - np.arange(self._half, rows)][:, first:][:, ::-1]
+        return out
+
+    def _settle(self) -> None:
+        """Add the running power as often as it was asked for."""
+        if self._waiting:
+            power, weight = self._running.power(), np.float32(self._waiting)
+            self._total[: self._half] += weight * power[: self._half]
+            self._total[self._lone] += weight * power[self._lone]
+        self._waiting = 0.0
