@@ -128,7 +128,7 @@ def compare(name: str, occluder: str, size: int = 1024, runs: int = 5) -> dict[s
     grid = Grid((size, size), (1.0, 1.0))
     found, expected = by_changes(painted, grid), by_transforms(painted)
     y, x = grid.axes()
-    expected = expected * (np.sinc(y / size) ** 2)[:, None] * np.sinc(x / size) ** 2
+    expected *= ((np.sinc(y / size) ** 2)[:, None] * np.sinc(x / size) ** 2).astype(np.float32)
     changes, transforms = [], []
     for _ in range(runs):
         changes.append(milliseconds(partial(by_changes, painted, grid)))

@@ -87,7 +87,7 @@ def _open_square(side: float) -> Aperture:
 
 
 def _between(
-    values: NDArray[np.floating], rows: NDArray[np.float64], columns: NDArray[np.float64]
+    values: NDArray[np.floating], rows: NDArray[np.floating], columns: NDArray[np.floating]
 ) -> NDArray[np.float64]:
     """Interpolate linearly where chosen rows and columns cross."""
     out = np.asarray(values, dtype=np.float64)
