@@ -10,6 +10,8 @@ dust       dust and scratches: an opening seen through dirt
 particles  discs at seeded places, and how they move
 fibres     rings of radial gratings
 lashes     lids and lashes before a pupil
+eyelashes  the same before any opening
+housing    rims of a lens, and what they leave of light from off the axis
 bands      work on a picture in bands of rows, on all cores
 clipping   what of a ring lies within a circle, arcs kept exact
 occluders  what stands between a light and an opening, and its shadow
@@ -23,6 +25,7 @@ geometry   arcs, chords, areas and moments of outlines, for the rooms above
 from aureole.aperture.chances import uniform
 from aureole.aperture.compose import dimmed, intersection, moved, rotated, scaled, subtraction, union
 from aureole.aperture.dust import dust, scratches
+from aureole.aperture.eyelashes import LID_OPENING, eyelashes
 from aureole.aperture.fibres import Fibres, fibre_coverage, fibre_outlines, fibres, stretched_fibres
 from aureole.aperture.geometry import (
     GAUSS_NODES,
@@ -38,6 +41,7 @@ from aureole.aperture.geometry import (
     orientation,
     ring_moments,
 )
+from aureole.aperture.housing import Rim, behind_rims, open_part, parallax
 from aureole.aperture.lashes import Lids, close_lids, lash_coverage, lashes, lids
 from aureole.aperture.masks import from_mask, from_picture, rasterize
 from aureole.aperture.obstructions import cats_eye, obstruction, shadow, spiders
@@ -65,16 +69,19 @@ from aureole.aperture.zernike import ZERNIKE_NAMES, Term, zernike, zernike_pair
 
 __all__ = [
     "GAUSS_NODES",
+    "LID_OPENING",
     "ZERNIKE_NAMES",
     "Circle",
     "Discs",
     "Fibres",
     "Lids",
     "Occluder",
+    "Rim",
     "Term",
     "arc_of",
     "area",
     "as_circle",
+    "behind_rims",
     "boundary_nodes",
     "bounding_radius",
     "cats_eye",
@@ -88,6 +95,7 @@ __all__ = [
     "disc_outlines",
     "dust",
     "energy",
+    "eyelashes",
     "fibre_coverage",
     "fibre_outlines",
     "fibres",
@@ -105,7 +113,9 @@ __all__ = [
     "obstacle",
     "obstruction",
     "occluder",
+    "open_part",
     "orientation",
+    "parallax",
     "polygon",
     "railing",
     "rasterize",

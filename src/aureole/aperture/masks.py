@@ -143,6 +143,44 @@ def darken(mask: NDArray[np.floating], points: NDArray[np.float64], opacity: flo
     mask[top:bottom, left:right] *= 1 - opacity * covered
 
 
+def seen_through(
+    aperture: Aperture, mask: NDArray[np.floating], dirt: str, remedy: str = "take less"
+) -> Aperture:
+    """Return an aperture whose raster is what dirt before it leaves.
+
+    Parameters
+    ----------
+    aperture : Aperture
+        Without the dirt; its wavefront is kept.
+    mask : ndarray, shape (size, size)
+        Transmittance with the dirt.
+    dirt : str
+        What it is, in the plural.
+    remedy : str
+        What to do where it lets no light through.
+
+    Returns
+    -------
+    Aperture
+        A raster on the aperture's width.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where no light is left, or a wavefront would be resampled.
+    """
+    if aperture.wavefront is not None and len(aperture.wavefront) != len(mask):
+        raise refuse.Refusal(
+            f"a wavefront of {len(aperture.wavefront)} pixels a side cannot be resampled to {len(mask)}; "
+            "give it to the aperture after the dirt."
+        )
+    if not mask.any():
+        raise refuse.Refusal(f"the {dirt} let no light through; {remedy}.")
+    pixels = np.ascontiguousarray(mask, dtype=np.float32)
+    name = f"{aperture.name} behind {dirt}"
+    return Aperture(aperture.width, mask=pixels, name=name, wavefront=aperture.wavefront)
+
+
 def _resample(mask: NDArray[np.float32], size: int) -> NDArray[np.float32]:
     """Average a mask over the squares of another pixel grid on the same area."""
     if len(mask) == size:

@@ -11,6 +11,7 @@ import typer
 from aureole import aperture, refuse, units
 
 SPIDERS, DIRT, WAVEFRONT = "Aperture: vanes and shadow", "Aperture: dust and scratches", "Aperture: wavefront"
+MOVING_DIRT = "Aperture: dirt that moves"
 # A wave, where a path is given in waves.
 WAVE = 550e-9
 NAMES = ", ".join(name for name in aperture.ZERNIKE_NAMES if name != "piston")
@@ -26,8 +27,10 @@ class PupilFlags:
         Vanes.
     shadow, housing : optional
         What stands before the lens, and its rim.
-    dust, dust_scale, dust_stretch, dust_angle, scratches, seed : optional
+    dust, dust_scale, dust_stretch, dust_angle, scratches, eyelashes, lid_opening, seed : optional
         Dirt.
+    dirt_drift, dust_speed, dirt_time, dirt_distance : optional
+        How dirt moves.
     defocus, focus_shift, zernike : optional
         Wavefront.
     """
@@ -88,9 +91,60 @@ class PupilFlags:
         int | None,
         typer.Option("--scratches", help="How many scratches.", rich_help_panel=DIRT),
     ] = None
+    eyelashes: Annotated[
+        int | None,
+        typer.Option(
+            "--eyelashes",
+            help="Lashes before the opening, as many over a pupil of 6 mm: 8.",
+            rich_help_panel=DIRT,
+        ),
+    ] = None
+    lid_opening: Annotated[
+        float | None,
+        typer.Option(
+            "--lid-opening",
+            help="Of the lids that the lashes hang from, 0 closed to 1 wide open: 0.7 unless given.",
+            rich_help_panel=DIRT,
+        ),
+    ] = None
     seed: Annotated[
         int | None,
-        typer.Option("--seed", help="Of dust and scratches: the same gives the same.", rich_help_panel=DIRT),
+        typer.Option(
+            "--seed", help="Of dust, scratches and eyelashes: the same gives the same.", rich_help_panel=DIRT
+        ),
+    ] = None
+    dirt_drift: Annotated[
+        str | None,
+        typer.Option(
+            "--dirt-drift",
+            help="Way of dust and scratches across the opening in a second, right and down: 0.2mm,0mm.",
+            rich_help_panel=MOVING_DIRT,
+        ),
+    ] = None
+    dust_speed: Annotated[
+        float | None,
+        typer.Option(
+            "--dust-speed",
+            help="How fast dust changes its shape: at 1 it is another after a second.",
+            rich_help_panel=MOVING_DIRT,
+        ),
+    ] = None
+    dirt_time: Annotated[
+        str | None,
+        typer.Option(
+            "--dirt-time",
+            help="Time of the picture, or of a sequence's frame 0: 1.5s.",
+            rich_help_panel=MOVING_DIRT,
+        ),
+    ] = None
+    dirt_distance: Annotated[
+        str | None,
+        typer.Option(
+            "--dirt-distance",
+            help="How far before the pupil dust and scratches lie, so that light from the frame's border "
+            "finds them elsewhere: 20mm. With --field.",
+            rich_help_panel=MOVING_DIRT,
+        ),
     ] = None
     defocus: Annotated[
         str | None,
@@ -130,7 +184,13 @@ class PupilFlags:
             "dust_stretch": self.dust_stretch,
             "dust_angle": _angle(self.dust_angle, "dust-angle"),
             "scratches": self.scratches,
+            "eyelashes": self.eyelashes,
+            "lid_opening": self.lid_opening,
             "seed": self.seed,
+            "dirt_drift": None if self.dirt_drift is None else lengths(self.dirt_drift, "dirt-drift"),
+            "dust_speed": self.dust_speed,
+            "dirt_time": None if self.dirt_time is None else units.seconds(self.dirt_time, "dirt-time"),
+            "dirt_distance": _signed_length(self.dirt_distance, "dirt-distance", "20mm"),
             "defocus": None if self.defocus is None else path(self.defocus, "defocus"),
             "focus_shift": _signed_length(self.focus_shift, "focus-shift", "50um"),
             "zernike": None if not self.zernike else tuple(zernike_term(text) for text in self.zernike),
@@ -198,6 +258,35 @@ def numbers(text: str, name: str, count: int) -> tuple[Any, ...]:
     if len(values) != count:
         raise refuse.Refusal(f"'{name}' must be {count} numbers parted by commas, got '{text}'.")
     return tuple(refuse.finite(name, value) for value in values)
+
+
+def lengths(text: str, name: str) -> tuple[float, float]:
+    """Read two lengths that are parted by a comma.
+
+    Parameters
+    ----------
+    text : str
+        Such as "0.2mm,-0.1mm".
+    name : str
+        The flag's name.
+
+    Returns
+    -------
+    tuple of float
+        Metres.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the text is no two lengths.
+    """
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise refuse.Refusal(
+            f"'{name}' must be two lengths parted by a comma, such as 0.2mm,0mm, got '{text}'."
+        )
+    x, y = (units.length(part, name, "0.2mm,0mm") for part in parts)
+    return x, y
 
 
 def ratio(text: str, name: str) -> float:

@@ -5,6 +5,7 @@ other programs. A point spread function is energy per pixel: over the infinite p
 sums to 1, and a finite one carries the fraction that it holds.
 
 camera      cameras, and their point spread functions
+camera_field  a camera's glare that changes over the frame
 kernel      fading, non-negative kernels, what other programs expect
 composite   replace, scatter and add
 area_light  lights with a size behind what hides parts of them: powers of their points, added up
@@ -54,6 +55,7 @@ from aureole.glare.area_light import (
 )
 from aureole.glare.area_psf import AreaPsf, area_glare, area_psf, area_psf_stages, lamp_picture
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
+from aureole.glare.camera_field import camera_at, camera_direction, camera_places, field_prepare, vignette
 from aureole.glare.composite import MODES, Composition, composite, prepare
 from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
 from aureole.glare.eye_adaptation import adapted, adapted_after
@@ -128,6 +130,9 @@ __all__ = [
     "area_psf_stages",
     "blinks",
     "camera",
+    "camera_at",
+    "camera_direction",
+    "camera_places",
     "camera_psf",
     "camera_psf_stages",
     "check_eye",
@@ -152,6 +157,7 @@ __all__ = [
     "eye_stamps",
     "fade",
     "field_places",
+    "field_prepare",
     "find_lamps",
     "flash_measures",
     "flashes",
@@ -187,5 +193,6 @@ __all__ = [
     "stiles_holladay",
     "tangent_pitch",
     "track_lamps",
+    "vignette",
     "write_lamps",
 ]

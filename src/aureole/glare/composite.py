@@ -30,7 +30,7 @@ class Composition:
     ----------
     mode : str
         "replace", "scatter" or "add".
-    core : ndarray of float32, shape (3,)
+    core : ndarray of float32, shape (3,) or (rows, columns, 3)
         What each channel keeps in its own pixel.
     returned : float
         Energy that the kernel had lost at its border and that went back to the core, mean over
@@ -78,6 +78,38 @@ def prepare(
     refuse.Refusal
         Where the mode is unknown, or the kernel holds more than all energy.
     """
+    kernel, core, returned = kernel_parts(psf, mode, core_radius)
+    return Composition(mode, core, returned, picture.Convolver(kernel, shape, precision))
+
+
+def kernel_parts(
+    psf: Picture, mode: str, core_radius: float = CORE_RADIUS
+) -> tuple[NDArray[np.float32], NDArray[np.float32], float]:
+    """Take a point spread function apart into what it spreads and what stays.
+
+    Parameters
+    ----------
+    psf : Picture
+        As in `prepare`.
+    mode : str
+        "replace", "scatter" or "add".
+    core_radius : float
+        As in `prepare`.
+
+    Returns
+    -------
+    kernel : ndarray of float32, shape (rows, columns, 3)
+        What is spread.
+    core : ndarray of float32, shape (3,)
+        What each channel keeps in its own pixel.
+    returned : float
+        Energy that the border had lost and that went back to the core, mean over channels.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the mode is unknown, or the kernel holds more than all energy.
+    """
     refuse.one_of("mode", mode, MODES)
     kernel = nonnegative(psf).pixels[..., :3].copy()
     total = channel_sums(kernel)
@@ -91,10 +123,8 @@ def prepare(
     else:
         kernel *= beyond_core(kernel.shape[:2], core_radius)[..., None]
     # Whatever is not spread stays: the core's own share and what the border lost.
-    scattered = channel_sums(kernel)
-    core = (1 - scattered).astype(np.float32)
-    spread = picture.Convolver(kernel, shape, precision)
-    return Composition(mode, core, float(np.mean(1 - total)), spread)
+    core = (1 - channel_sums(kernel)).astype(np.float32)
+    return kernel, core, float(np.mean(1 - total))
 
 
 def composite(
@@ -161,7 +191,7 @@ def composite(
         lit = colour if limit is None else colour * limit
         out = psf.spread(lit)
         for channel in range(3):
-            out[..., channel] += lit[..., channel] * psf.core[channel]
+            out[..., channel] += lit[..., channel] * psf.core[..., channel]
         if limit is not None:
             out += colour - lit
     return with_colour(source, out)

@@ -69,7 +69,7 @@ def field_places(
     refuse.Refusal
         Where a count is below 1 or the field is not between 0 and 180 degrees.
     """
-    down, across = (_nodes(n, count) for n, count in zip(shape, nodes, strict=True))
+    down, across = (axis_nodes(n, count) for n, count in zip(shape, nodes, strict=True))
     return [((y, x), direction_of((y, x), shape, field_of_view)) for y in down for x in across]
 
 
@@ -143,7 +143,7 @@ def eye_field(
     radius = core_pixels(shape, field_of_view, core_angle)
     places = field_places(shape, field_of_view, nodes)
     parts, spaces = [], set()
-    for (_, direction), share in zip(places, _hats(shape, nodes), strict=True):
+    for (_, direction), share in zip(places, node_shares(shape, nodes), strict=True):
         psf = psf_at(direction)
         spaces.add(psf.colour_space)
         parts.append(glare_part(psf, weights * share, field_of_view, mode, resolution, radius, precision))
@@ -273,15 +273,46 @@ def _brightest(
     ]
 
 
-def _nodes(length: int, count: int) -> list[float]:
-    """Return places along an axis, from the first pixel to the last."""
+def axis_nodes(length: int, count: int) -> list[float]:
+    """Return places along an axis, from the first pixel to the last.
+
+    Parameters
+    ----------
+    length : int
+        Pixels along it.
+    count : int
+        How many places; 1 is the middle.
+
+    Returns
+    -------
+    list of float
+        In pixels.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the count is below 1.
+    """
     if refuse.at_least("nodes", count, 1) == 1:
         return [(length - 1) / 2]
     return [float(at) for at in np.linspace(0, length - 1, count)]
 
 
-def _hats(shape: tuple[int, int], nodes: tuple[int, int]) -> list[NDArray[np.float32]]:
-    """Return each place's share of each pixel: straight lines to the next places, together 1."""
+def node_shares(shape: tuple[int, int], nodes: tuple[int, int]) -> list[NDArray[np.float32]]:
+    """Return each place's share of each pixel: straight lines to the next places, together 1.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        (rows, columns).
+    nodes : tuple of int
+        How many places (down, across), as `axis_nodes` lays them.
+
+    Returns
+    -------
+    list of ndarray of float32, shape (rows, columns)
+        Row by row.
+    """
     down, across = (_hats_along(n, count) for n, count in zip(shape, nodes, strict=True))
     return [np.outer(y, x).astype(np.float32) for y in down for x in across]
 

@@ -5,7 +5,7 @@ f/16 with seven straight blades.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from aureole import aperture as apertures
 from aureole import glare, picture, presets, refuse
@@ -21,11 +21,16 @@ DIRT_SIZE = 1024
 FINEST_STEP = 380e-9 / 8
 PROBE_SIZE, SMALLEST_SIZE, LARGEST_SIZE = 256, 512, 2048
 NEEDS = {
-    "spider_width": "spiders",
-    "spider_rotation": "spiders",
-    "dust_scale": "dust",
-    "dust_stretch": "dust",
-    "dust_angle": "dust",
+    "spider_width": ("spiders",),
+    "spider_rotation": ("spiders",),
+    "dust_scale": ("dust",),
+    "dust_stretch": ("dust",),
+    "dust_angle": ("dust",),
+    "dust_speed": ("dust",),
+    "dirt_drift": ("dust", "scratches"),
+    "dirt_time": ("dust_speed", "dirt_drift"),
+    "dirt_distance": ("dust", "scratches"),
+    "lid_opening": ("eyelashes",),
 }
 
 
@@ -68,8 +73,23 @@ class Opening:
         How many times longer than broad specks are, and along which direction, radians.
     scratches : int, optional
         How many scratches lie on the opening's square.
+    eyelashes : int, optional
+        Lashes over 6 mm of a lid, the opening being a pupil of 6 mm.
+    lid_opening : float, optional
+        Of the lids that they hang from, 0 closed to 1 wide open; 0.7 where it is left out.
     seed : int, optional
-        Of dust and scratches; 1 where it is left out.
+        Of dust, scratches and eyelashes; 1 where it is left out.
+    dirt_drift : tuple of float, optional
+        (x, y) by which dirt moves across the opening, metres a second.
+    dust_speed : float, optional
+        How fast dust changes its shape: at 1 it is another after a second.
+    dirt_time : float, optional
+        Seconds since dirt lay where it lies without drift.
+    dirt_distance : float, optional
+        How far before the pupil dust and scratches lie, metres: light from off the axis throws their
+        shadow elsewhere.
+    direction : tuple of float, optional
+        Towards the light, radians off the axis (right, down); along the axis where it is left out.
     defocus : float, optional
         W20: optical path at the rim over that at the centre, metres.
     focus_shift : float, optional
@@ -96,7 +116,14 @@ class Opening:
     dust_stretch: float | None = None
     dust_angle: float | None = None
     scratches: int | None = None
+    eyelashes: int | None = None
+    lid_opening: float | None = None
     seed: int | None = None
+    dirt_drift: tuple[float, float] | None = None
+    dust_speed: float | None = None
+    dirt_time: float | None = None
+    dirt_distance: float | None = None
+    direction: tuple[float, float] | None = None
     defocus: float | None = None
     focus_shift: float | None = None
     zernike: tuple[tuple[tuple[int, int] | str, float], ...] | None = None
@@ -139,19 +166,17 @@ class Opening:
             whole = apertures.obstruction(whole, obstruction)
         # What comes now must not move the disc on which the wavefront stands.
         radius = apertures.bounding_radius(whole)
-        if self.housing is not None:
-            x, y, diameter = (part * whole.width for part in self.housing)
-            whole = apertures.cats_eye(whole, diameter, (x, y))
-        if self.shadow is not None:
-            x, y, diameter = (part * whole.width for part in self.shadow)
-            whole = apertures.shadow(whole, x, y, diameter)
-        dirty, bent = bool(self.dust or self.scratches), self._is_bent()
-        if not dirty and not bent:
-            return whole
         f_number = None if focal_length is None else focal_length / whole.width
-        pixels = self._pixels(whole, f_number, radius)
-        whole = self._dirty(whole, pixels) if dirty else whole
-        return self._with_wavefront(whole, pixels, f_number, radius) if bent else whole
+        pixels = 0
+        if self._is_dirty():
+            # Dirt is a part of the whole opening, so that it stays the same while shadows move over it.
+            pixels = self._pixels(whole, f_number, radius)
+            whole = self._dirty(whole, pixels)
+        whole = self._cropped(whole)
+        if not self._is_bent():
+            return whole
+        pixels = pixels or self._pixels(whole, f_number, radius)
+        return self._with_wavefront(whole, pixels, f_number, radius)
 
     def at_default_camera(self, iris: str | None = None) -> Aperture:
         """Make the aperture at the size that the default camera gives it, unless `width` says another.
@@ -175,6 +200,32 @@ class Opening:
         focal_length = camera.focal_length_mm * 1e-3
         return self.build(iris or camera.iris, focal_length / camera.f_number, focal_length)
 
+    def at(self, time: float | None = None, direction: tuple[float, float] | None = None) -> "Opening":
+        """Return the opening at another time, or as light from another direction finds it.
+
+        Parameters
+        ----------
+        time : float, optional
+            Seconds; added to the time that it has.
+        direction : tuple of float, optional
+            Towards the light, radians off the axis (right, down).
+
+        Returns
+        -------
+        Opening
+            The same one where nothing on it moves.
+        """
+        moves = self.dirt_drift is not None or self.dust_speed is not None
+        found = self
+        if moves and time is not None:
+            found = replace(found, dirt_time=(self.dirt_time or 0.0) + refuse.finite("time", time))
+        if self.dirt_distance is not None and direction is not None:
+            found = replace(found, direction=direction)
+        return found
+
+    def _is_dirty(self) -> bool:
+        return bool(self.dust or self.scratches or self.eyelashes)
+
     def _is_bent(self) -> bool:
         return bool(self.defocus or self.focus_shift or self.zernike)
 
@@ -189,16 +240,48 @@ class Opening:
             size *= 2
         return size
 
+    def _cropped(self, whole: Aperture) -> Aperture:
+        """Leave what the lens's rim and a shadow do not cover."""
+        if self.housing is not None:
+            x, y, diameter = (part * whole.width for part in self.housing)
+            whole = apertures.cats_eye(whole, diameter, (x, y))
+        if self.shadow is not None:
+            x, y, diameter = (part * whole.width for part in self.shadow)
+            whole = apertures.shadow(whole, x, y, diameter)
+        return whole
+
+    def _shift(self) -> tuple[float, float] | None:
+        """Return by how much the shadow of dirt is moved on the pupil, None where it cannot move."""
+        if self.dirt_drift is None and self.dirt_distance is None:
+            return None
+        drift, time = self.dirt_drift or (0.0, 0.0), self.dirt_time or 0.0
+        aside = apertures.parallax(self.direction or (0.0, 0.0), self.dirt_distance or 0.0)
+        return drift[0] * time + aside[0], drift[1] * time + aside[1]
+
     def _dirty(self, whole: Aperture, size: int) -> Aperture:
-        """See the opening through its dust and its scratches."""
+        """See the opening through its dust, its scratches and its lashes."""
         seed = 1 if self.seed is None else self.seed
+        shift, age = self._shift(), (self.dust_speed or 0.0) * (self.dirt_time or 0.0)
         if self.dust:
             scale = DUST_SCALE * whole.width if self.dust_scale is None else self.dust_scale
             stretch = 1.0 if self.dust_stretch is None else self.dust_stretch
-            whole = apertures.dust(whole, size, self.dust, scale, seed, stretch, self.dust_angle or 0.0)
+            whole = apertures.dust(
+                whole,
+                size,
+                self.dust,
+                scale,
+                seed,
+                stretch,
+                self.dust_angle or 0.0,
+                age,
+                shift=shift or (0.0, 0.0),
+            )
         if self.scratches:
             length, width = SCRATCH_LENGTH * whole.width, SCRATCH_WIDTH * whole.width
-            whole = apertures.scratches(whole, size, self.scratches, length, width, seed)
+            whole = apertures.scratches(whole, size, self.scratches, length, width, seed, shift=shift)
+        if self.eyelashes:
+            lids = apertures.LID_OPENING if self.lid_opening is None else self.lid_opening
+            whole = apertures.eyelashes(whole, size, self.eyelashes, seed, lids)
         return whole
 
     def _with_wavefront(self, whole: Aperture, size: int, f_number: float | None, radius: float) -> Aperture:
@@ -233,8 +316,9 @@ class Opening:
                     f"'{name}' does not go with aperture '{shape}'; it is for {' or '.join(shapes)}."
                 )
         for name, needed in NEEDS.items():
-            if getattr(self, name) is not None and not getattr(self, needed):
-                raise refuse.Refusal(f"'{name}' needs '{needed}'.")
+            if getattr(self, name) is not None and not any(getattr(self, one) for one in needed):
+                others = "' or '".join(needed)
+                raise refuse.Refusal(f"'{name}' needs '{others}'.")
         if self.rotation and shape == "picture":
             raise refuse.Refusal("'rotation' does not go with aperture 'picture'; turn the picture itself.")
 
@@ -282,6 +366,23 @@ class Optics:
     f_number: float | None = None
     sensor_width: float | None = None
     sensor_height: float | None = None
+
+    def at(self, time: float | None = None, direction: tuple[float, float] | None = None) -> "Optics":
+        """Return the camera with its opening at another time, or as another direction's light finds it.
+
+        Parameters
+        ----------
+        time : float, optional
+            As in `Opening.at`.
+        direction : tuple of float, optional
+            As in `Opening.at`.
+
+        Returns
+        -------
+        Optics
+            The same otherwise.
+        """
+        return replace(self, opening=self.opening.at(time, direction))
 
     def camera(
         self,
