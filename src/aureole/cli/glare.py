@@ -6,6 +6,7 @@ from typing import Any
 from aureole import jobs, refuse
 from aureole.cli import eye_runs, options, runs, sequence_runs
 from aureole.cli.eye_options import AnimationFlags, EyeFlags, OverFlags
+from aureole.cli.field_options import FieldFlags
 from aureole.cli.moving import given
 from aureole.cli.options import ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, numbers, with_flags
@@ -21,6 +22,7 @@ SHARED = ("seed", "defocus", "zernike")
 @with_flags("viewer", EyeFlags)
 @with_flags("over", OverFlags)
 @with_flags("sequence", SequenceFlags)
+@with_flags("across", FieldFlags)
 def glare(
     source: options.Source,
     out: options.Out,
@@ -29,6 +31,7 @@ def glare(
     viewer: EyeFlags,
     moving: AnimationFlags,
     sequence: SequenceFlags,
+    across: FieldFlags,
     focal_length: options.FocalLength = None,
     f_number: options.FNumber = None,
     preset: options.Preset = None,
@@ -78,6 +81,10 @@ def glare(
 
         aureole glare night.exr -o out.exr --dust 10% --dust-scale 0.3mm --scratches 20 --seed 7
 
+        aureole glare night.exr -o out.exr --f-number 2.8 --lens zeiss_biotar_50mm --field 5x3
+
+        aureole glare night.exr -o out.exr --aperture circle --eyelashes 8
+
         aureole glare night.exr -o seen.exr --eye --age 70 --luminance 10cd/m2 --field-of-view 60deg
 
         aureole glare night.exr -o seen.####.exr --eye --animate 2s --fps 12 --quick --photosafe
@@ -91,20 +98,20 @@ def glare(
     look = runs.Look(illuminant, mode, threshold, knee, gain, numbers(tint, "tint", 3), precision)
     lens = {"focal-length": focal_length, "f-number": f_number, "sensor": sensor, "iris": iris}
     if over.eye:
-        _refuse_camera(source, sequence, {**lens, "pixel-pitch": pitch}, shape)
+        _refuse_camera(source, sequence, {**lens, "pixel-pitch": pitch}, shape, across)
         eye = _eye(viewer, moving, pupil, preset, illuminant)
         asked = eye_runs.Over(eye, files, look, over, kernel_size, options.memory(memory))
         eye_runs.over(asked, moving, as_json)
         return
     _refuse_eye(over, viewer)
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
+    kernel = runs.Kernel(kernel_size, options.pixel_pitch(pitch), across.whole_kernel, across.wanted(pupil))
     if frame_files.is_pattern(source):
         many = sequence_runs.Sequence(files, sequence, moving, options.memory(memory))
-        sequence_runs.glare(camera, many, look, kernel_size, options.pixel_pitch(pitch), as_json)
+        sequence_runs.glare(camera, many, look, kernel, as_json)
         return
     _refuse_many(sequence, moving)
-    limits = (kernel_size, options.pixel_pitch(pitch), options.memory(memory))
-    runs.glare(camera, files, look, *limits, as_json)
+    runs.glare(camera, files, look, kernel, options.memory(memory), as_json)
 
 
 def _refuse_eye(over: OverFlags, viewer: EyeFlags) -> None:
@@ -121,14 +128,16 @@ def _refuse_many(sequence: SequenceFlags, moving: AnimationFlags) -> None:
         raise refuse.Refusal(f"'{name}' is for an eye or a sequence; it needs --eye, or IN with ####.")
 
 
-def _refuse_camera(source: Path, sequence: SequenceFlags, lens: dict[str, Any], shape: ShapeFlags) -> None:
+def _refuse_camera(
+    source: Path, sequence: SequenceFlags, lens: dict[str, Any], shape: ShapeFlags, across: FieldFlags
+) -> None:
     """Refuse sequences and flags of a camera, none of which an eye has."""
     if frame_files.is_pattern(source) or given(sequence):
         raise refuse.Refusal("sequences of pictures are for cameras; an eye sees one picture, or --animate.")
     opening = {name.replace("_", "-"): value for name, value in vars(shape).items() if name != "pupil"}
     typed = {**lens, **opening}
     names = [name for name, value in typed.items() if value is not None]
-    names += [name for name in given(shape.pupil) if name not in SHARED]
+    names += [name for name in given(shape.pupil) if name not in SHARED] + given(across)
     for name in names:
         flag = "aperture-picture" if name == "picture" else name
         raise refuse.Refusal(f"'{flag}' is of cameras; it does not go with --eye.")

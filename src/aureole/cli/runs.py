@@ -66,12 +66,33 @@ class Look:
     precision: str = "double"
 
 
+@dataclass(frozen=True)
+class Kernel:
+    """The kernel of a camera's glare.
+
+    Parameters
+    ----------
+    kernel_size : int, optional
+        Side in pixels.
+    pixel_pitch : float, optional
+        Metres.
+    whole_kernel : bool
+        As in `aureole.jobs.GlareJob`.
+    field : GlareField, optional
+        As in `aureole.jobs.GlareJob`.
+    """
+
+    kernel_size: int | None = None
+    pixel_pitch: float | None = None
+    whole_kernel: bool = False
+    field: jobs.GlareField | None = None
+
+
 def glare(
     camera: jobs.Optics,
     files: GlareFiles,
     look: Look,
-    kernel_size: int | None,
-    pixel_pitch: float | None,
+    kernel: Kernel,
     memory: int | None,
     as_json: bool,
 ) -> None:
@@ -85,10 +106,8 @@ def glare(
         What to read and write.
     look : Look
         How to mix.
-    kernel_size : int, optional
-        Side in pixels.
-    pixel_pitch : float, optional
-        Metres.
+    kernel : Kernel
+        Its size, and what of it changes over the frame.
     memory : int, optional
         Bytes that may be used.
     as_json : bool
@@ -102,9 +121,8 @@ def glare(
         given,
         camera,
         matte=matte,
-        kernel_size=kernel_size,
-        pixel_pitch=pixel_pitch,
         memory=memory,
+        **vars(kernel),
         **vars(look),
     )
     result = output.follow(jobs.run(job))

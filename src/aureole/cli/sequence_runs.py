@@ -13,7 +13,7 @@ import typer
 from aureole import jobs, picture, refuse
 from aureole.cli import output
 from aureole.cli.moving import MovingFlags, given
-from aureole.cli.runs import GlareFiles, Look
+from aureole.cli.runs import GlareFiles, Kernel, Look
 from aureole.jobs import frame_files
 
 SEQUENCE = "Sequences"
@@ -111,8 +111,7 @@ def glare(
     camera: jobs.Optics,
     asked: Sequence,
     look: Look,
-    kernel_size: int | None,
-    pixel_pitch: float | None,
+    kernel: Kernel,
     as_json: bool,
 ) -> None:
     """Lay a camera's glare over the frames of a sequence, and report.
@@ -125,10 +124,8 @@ def glare(
         Which frames, and their files.
     look : Look
         How to mix.
-    kernel_size : int, optional
-        Side in pixels.
-    pixel_pitch : float, optional
-        Metres.
+    kernel : Kernel
+        Its size, and what of it changes over the frame.
     as_json : bool
         Whether a machine reads the report.
     """
@@ -136,9 +133,8 @@ def glare(
     maker = jobs.GlareMaker.of(
         camera,
         asked.files.matte,
-        kernel_size=kernel_size,
-        pixel_pitch=pixel_pitch,
         memory=asked.memory,
+        **vars(kernel),
         **vars(look),
     )
     maker.refuse()

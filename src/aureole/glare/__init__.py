@@ -55,7 +55,14 @@ from aureole.glare.area_light import (
 )
 from aureole.glare.area_psf import AreaPsf, area_glare, area_psf, area_psf_stages, lamp_picture
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
-from aureole.glare.camera_field import camera_at, camera_direction, camera_places, field_prepare, vignette
+from aureole.glare.camera_field import (
+    camera_at,
+    camera_direction,
+    camera_places,
+    field_prepare,
+    open_share_of,
+    vignette,
+)
 from aureole.glare.composite import MODES, Composition, composite, prepare
 from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
 from aureole.glare.eye_adaptation import adapted, adapted_after
@@ -175,6 +182,7 @@ __all__ = [
     "make_flipbooks_stages",
     "nonnegative",
     "open_share",
+    "open_share_of",
     "pattern_field",
     "pattern_shape",
     "populations",

@@ -21,7 +21,7 @@ from aureole.aperture import Rim
 from aureole.glare.camera import pupil
 from aureole.glare.composite import Composition, kernel_parts
 from aureole.glare.eye_field import PsfAt, axis_nodes, node_shares
-from aureole.records import Camera
+from aureole.records import Camera, Picture
 
 Place = tuple[float, float]
 # A camera's housing darkens smoothly, so it is found at so many places (down, across).
@@ -95,14 +95,36 @@ def camera_at(camera: Camera, rims: Sequence[Rim], direction: Place) -> Camera:
     Returns
     -------
     Camera
-        For `camera_psf`.
+        For `camera_psf`; the camera itself where no rim cuts its pupil.
 
     Raises
     ------
     refuse.Refusal
         Where nothing is left.
     """
-    return replace(camera, iris=apertures.behind_rims(pupil(camera), rims, direction))
+    whole = pupil(camera)
+    left = apertures.behind_rims(whole, rims, direction)
+    return camera if left is whole else replace(camera, iris=left)
+
+
+def open_share_of(camera: Camera, cropped: Camera) -> float:
+    """Return the part of a camera's light that is left to it behind its housing.
+
+    Parameters
+    ----------
+    camera : Camera
+        As on the axis.
+    cropped : Camera
+        From `camera_at`.
+
+    Returns
+    -------
+    float
+        0 to 1.
+    """
+    if cropped is camera:
+        return 1.0
+    return min(1.0, apertures.energy(pupil(cropped)) / apertures.energy(pupil(camera)))
 
 
 def field_prepare(
@@ -140,7 +162,8 @@ def field_prepare(
     Returns
     -------
     Composition
-        To be given to `aureole.glare.composite`; each place costs one more convolution.
+        To be given to `aureole.glare.composite`; each point spread function costs
+        one more convolution, and its transform.
 
     Raises
     ------
@@ -149,14 +172,18 @@ def field_prepare(
     """
     refuse.one_of("precision", precision, ("single", "double"))
     core = np.zeros((*shape, 3), dtype=np.float32)
-    returned, spaces, parts = 0.0, set(), []
+    returned, parts = 0.0, []
     places = camera_places(camera, shape, nodes, corner)
+    lots: dict[int, tuple[Picture, NDArray[np.float32]]] = {}
     for (_, direction), share in zip(places, node_shares(shape, nodes), strict=True):
         psf = psf_at(direction)
-        spaces.add(psf.colour_space)
+        # Places that have one point spread function need one convolution.
+        lots[id(psf)] = (psf, lots[id(psf)][1] + share if id(psf) in lots else share)
+    spaces = {psf.colour_space for psf, _ in lots.values()}
+    for psf, share in lots.values():
         kernel, kept, lost = kernel_parts(psf, mode, core_radius)
         core += share[..., None] * kept
-        returned += lost / len(places)
+        returned += lost * float(share.mean(dtype=np.float64))
         parts.append((share, kernel))
     if len(spaces) > 1:
         raise refuse.Refusal(f"'psf_at' must give one colour space, got {', '.join(sorted(spaces))}.")

@@ -4,6 +4,7 @@ In: records of plain values, pictures. Out: `Stage`s, the last of which holds th
 
 optics          descriptions of apertures and cameras as people give them, made into records
 glare           the main job: a picture with the glare that a camera adds
+glare_field     the same with kernels that change over the frame
 starburst       a point spread function, or a kernel for another program
 aperture        an aperture drawn, with its quadtree's counts
 near_field      the light on a plane behind an opening or an obstacle
@@ -60,6 +61,7 @@ from aureole.jobs.frames import (
     run_frame,
 )
 from aureole.jobs.glare import GlareJob, GlareResult, read_matte
+from aureole.jobs.glare_field import GlareField
 from aureole.jobs.glare_sequence import GlareMaker
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
@@ -129,6 +131,7 @@ __all__ = [
     "FrameOutcome",
     "FrameTask",
     "Frames",
+    "GlareField",
     "GlareJob",
     "GlareMaker",
     "GlareResult",

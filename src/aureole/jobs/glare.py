@@ -1,7 +1,8 @@
 """The main job: a linear HDR picture in, the same picture with a camera's glare out."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+import dataclasses
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import glare, light, picture, refuse
+from aureole.jobs.glare_field import GlareField, PreparedField, field_stages
 from aureole.jobs.optics import Optics
 from aureole.jobs.starburst import psf_report
 from aureole.records import Camera, Picture, Stage
@@ -16,6 +18,8 @@ from aureole.records import Camera, Picture, Stage
 # Measured peaks, rounded up: the starburst's widest pattern and the convolution's spectra.
 BYTES_PER_KERNEL_PIXEL = 150
 BYTES_PER_PIXEL = 100
+# A field's kernels are kept twice: as they came, and what of them is spread.
+BYTES_PER_FURTHER_KERNEL = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +44,10 @@ class GlareJob:
         Of mode "add".
     kernel_size : int, optional
         Side of the square kernel in pixels; as large as the picture's longer side otherwise.
+    whole_kernel : bool
+        Whether the kernel reaches from any pixel to any other, unfaded, in place of a square one.
+    field : GlareField, optional
+        What changes over the frame; one kernel serves all of it otherwise.
     pixel_pitch : float, optional
         Metres on the sensor, in place of the sensor's width over the picture's.
     method : str
@@ -53,7 +61,7 @@ class GlareJob:
     """
 
     picture: Picture
-    optics: Optics = field(default_factory=Optics)
+    optics: Optics = dataclasses.field(default_factory=Optics)
     illuminant: str = "D65"
     mode: str = "replace"
     matte: NDArray[np.floating] | None = None
@@ -62,6 +70,8 @@ class GlareJob:
     gain: float = 1.0
     tint: tuple[float, float, float] = (1.0, 1.0, 1.0)
     kernel_size: int | None = None
+    whole_kernel: bool = False
+    field: GlareField | None = None
     pixel_pitch: float | None = None
     method: str = "auto"
     border_fade: float = 0.25
@@ -105,12 +115,18 @@ class PreparedGlare:
         The same, ready to be laid over pictures.
     illuminant : str
         The light's name.
+    vignette : ndarray of float32, shape (rows, columns), optional
+        By how much the picture darkens where rims crop the opening.
+    report : dict
+        What is worth knowing of a field.
     """
 
     camera: Camera
     psf: Picture
     composition: glare.Composition
     illuminant: str
+    vignette: NDArray[np.float32] | None = None
+    report: dict[str, Any] = dataclasses.field(default_factory=dict)
 
 
 def run_glare(job: GlareJob) -> Iterator[Stage]:
@@ -152,19 +168,25 @@ def prepared_glare(job: GlareJob) -> Iterator[Stage]:
     _, space = in_working_space(job.picture)
     lamp = light.illuminant(job.illuminant)
     camera = picture_camera(job)
-    size = _kernel_size(job, camera)
-    _refuse_memory(job, size)
-    psf = None
-    for stage in glare.camera_psf_stages(
-        camera, (size, size), lamp, space, job.method, "area", job.border_fade
-    ):
-        psf = stage.result
+    shape = _kernel_shape(job, camera)
+    _refuse_memory(job, shape)
+    fade = 0.0 if job.whole_kernel else job.border_fade
+
+    def psf_from(camera: Camera) -> Iterator[Stage]:
+        return glare.camera_psf_stages(camera, shape, lamp, space, job.method, "area", fade)
+
+    made: Any = None
+    for stage in _field(job, psf_from) if job.field is not None else psf_from(camera):
+        made = stage.result
         yield Stage(0.875 * stage.fraction, stage.label)
-    assert isinstance(psf, Picture)
     yield Stage(0.875, "preparing the kernel")
-    rows, columns = job.picture.pixels.shape[:2]
-    ready = glare.prepare(psf, (rows, columns), job.mode, precision=job.precision)
-    yield Stage(1.0, "preparing the kernel", PreparedGlare(camera, psf, ready, lamp.name))
+    if isinstance(made, PreparedField):
+        ready = PreparedGlare(camera, made.psf, made.composition, lamp.name, made.vignette, made.report)
+    else:
+        rows, columns = job.picture.pixels.shape[:2]
+        composition = glare.prepare(made, (rows, columns), job.mode, precision=job.precision)
+        ready = PreparedGlare(camera, made, composition, lamp.name)
+    yield Stage(1.0, "preparing the kernel", ready)
 
 
 def lay_over(job: GlareJob, prepared: PreparedGlare) -> GlareResult:
@@ -182,7 +204,7 @@ def lay_over(job: GlareJob, prepared: PreparedGlare) -> GlareResult:
     GlareResult
         The picture with its glare.
     """
-    source, _ = in_working_space(job.picture)
+    source = _darkened(in_working_space(job.picture)[0], prepared.vignette)
     out = glare.composite(
         source,
         prepared.composition,
@@ -194,6 +216,7 @@ def lay_over(job: GlareJob, prepared: PreparedGlare) -> GlareResult:
     )
     report = psf_report(prepared.camera, prepared.psf, prepared.illuminant)
     report["mode"] = job.mode
+    report |= prepared.report
     report["energy_returned_to_core"] = prepared.composition.returned
     report["sum_before"] = picture_sums(job.picture)
     report["sum_after"] = picture_sums(out)
@@ -270,22 +293,61 @@ def picture_camera(job: GlareJob) -> Camera:
     return job.optics.camera((rows, columns), aspect, job.pixel_pitch)
 
 
-def _kernel_size(job: GlareJob, camera: Camera) -> int:
-    """Return an odd side, so that the core has as much on each side."""
-    if job.kernel_size is not None:
-        return refuse.at_least("kernel_size", job.kernel_size, 1)
-    return max(camera.resolution) | 1
+def _field(job: GlareJob, psf_from: Callable[[Camera], Iterator[Stage]]) -> Iterator[Stage]:
+    """Make the field's point spread functions, each with what its direction's light finds."""
+    assert job.field is not None
+    plain = picture_camera(job)
+    moves = job.optics.opening.dirt_distance is not None
 
+    def camera_from(direction: tuple[float, float] | None) -> Camera:
+        if direction is None or not moves:
+            return plain
+        return picture_camera(replace(job, optics=job.optics.at(direction=direction)))
 
-def _refuse_memory(job: GlareJob, size: int) -> None:
-    """Refuse a kernel and a picture that would not fit, before any work."""
     rows, columns = job.picture.pixels.shape[:2]
-    needed = BYTES_PER_KERNEL_PIXEL * size**2 + BYTES_PER_PIXEL * rows * columns
+    header = picture.header_of(job.picture)
+    corner = (0, 0)
+    if header is not None:
+        data, shown = header.data_window, header.display_window
+        corner = (data.y - shown.y, data.x - shown.x)
+    return field_stages(job.field, camera_from, psf_from, (rows, columns), corner, job.mode, job.precision)
+
+
+def _darkened(source: Picture, vignette: NDArray[np.float32] | None) -> Picture:
+    """Return a picture as dark as the lens's rims make it."""
+    if vignette is None:
+        return source
+    pixels = source.pixels.copy()
+    pixels[..., :3] *= vignette[..., None]
+    return Picture(pixels, source.colour_space, source.metadata)
+
+
+def _kernel_shape(job: GlareJob, camera: Camera) -> tuple[int, int]:
+    """Return odd sides, so that the core has as much on each side."""
+    if job.whole_kernel:
+        if job.kernel_size is not None:
+            raise refuse.Refusal(
+                "'kernel_size' and 'whole_kernel' both set the kernel's size; give one of them."
+            )
+        rows, columns = job.picture.pixels.shape[:2]
+        return 2 * rows - 1, 2 * columns - 1
+    if job.kernel_size is not None:
+        return (refuse.at_least("kernel_size", job.kernel_size, 1),) * 2
+    return (max(camera.resolution) | 1,) * 2
+
+
+def _refuse_memory(job: GlareJob, shape: tuple[int, int]) -> None:
+    """Refuse kernels and a picture that would not fit, before any work."""
+    rows, columns = job.picture.pixels.shape[:2]
+    kernels = 1 if job.field is None else job.field.nodes[0] * job.field.nodes[1]
+    needed = (BYTES_PER_KERNEL_PIXEL + BYTES_PER_FURTHER_KERNEL * (kernels - 1)) * shape[0] * shape[1]
+    needed += BYTES_PER_PIXEL * rows * columns
     limit = picture.allowed_memory(job.memory)
     if needed > limit:
         raise refuse.Refusal(
-            f"a kernel of {size} x {size} on {columns} x {rows} pixels needs about {needed / 1e9:.3g} GB of "
-            f"memory, {limit / 1e9:.3g} GB are allowed; see --memory and --kernel-size."
+            f"a kernel of {shape[1]} x {shape[0]} on {columns} x {rows} pixels needs about "
+            f"{needed / 1e9:.3g} GB of memory, {limit / 1e9:.3g} GB are allowed; see --memory and "
+            "--kernel-size."
         )
 
 
