@@ -1,0 +1,80 @@
+"""The housing of a lens: circles' shared areas, and real rays through a prescription."""
+
+import math
+
+import numpy as np
+import pytest
+
+from aureole import aperture, flare
+from aureole.aperture import Rim
+from aureole.flare import paraxial, tracing
+from aureole.flare.pupil import image_power
+
+
+def lens_of_circles(first, second, apart):
+    """Area that two circles share."""
+    if apart <= abs(first - second):
+        return math.pi * min(first, second) ** 2
+    one = (apart**2 + first**2 - second**2) / (2 * apart)
+    two = apart - one
+    return (
+        first**2 * math.acos(one / first)
+        - one * math.sqrt(first**2 - one**2)
+        + second**2 * math.acos(two / second)
+        - two * math.sqrt(second**2 - two**2)
+    )
+
+
+@pytest.mark.parametrize("degrees", [0.0, 4.0, 9.0, 15.0])
+def test_one_rim_leaves_the_area_that_two_circles_share(degrees):
+    pupil, rim = aperture.circle(20e-3), Rim(24e-3, 40e-3)
+    direction = (math.radians(degrees) * 0.6, math.radians(degrees) * 0.8)
+    apart = 40e-3 * math.hypot(*(math.tan(angle) for angle in direction))
+    expected = lens_of_circles(10e-3, 12e-3, apart) / (math.pi * 1e-4)
+    assert aperture.open_part(pupil, [rim], direction) == pytest.approx(expected, abs=2e-6)
+
+
+def test_rims_before_and_behind_crop_opposite_sides():
+    pupil = aperture.circle(20e-3)
+    direction = (math.radians(10), 0.0)
+    before = aperture.behind_rims(pupil, [Rim(20e-3, 30e-3)], direction)
+    behind = aperture.behind_rims(pupil, [Rim(20e-3, -30e-3)], direction)
+    centre = [
+        np.concatenate([ring.vertices for ring in left.outlines]).mean(axis=0)[0] for left in (before, behind)
+    ]
+    # Light from the right throws the shadow of the front rim to the left.
+    assert centre[0] < -1e-3
+    assert centre[1] == pytest.approx(-centre[0], abs=1e-4)
+    both = aperture.behind_rims(pupil, [Rim(20e-3, 30e-3), Rim(20e-3, -30e-3)], direction)
+    assert aperture.energy(both) < 0.7 * aperture.energy(before)
+
+
+def test_a_rim_that_cuts_nothing_leaves_the_pupil_itself():
+    pupil = aperture.iris(7, 10e-3)
+    assert aperture.behind_rims(pupil, [Rim(50e-3, 20e-3)], (0.1, 0.1)) is pupil
+
+
+@pytest.mark.parametrize("name", ["cooke_triplet_100mm", "zeiss_biotar_50mm"])
+def test_rims_near_the_axis_say_what_real_rays_find(name):
+    """The image's light by angle, wide open: paraxial rims against rays through every semi-aperture."""
+    lens, _ = flare.open_lens(name)
+    rims = flare.housing_rims(lens)
+    _, radius = paraxial.entrance_pupil(lens)
+    pupil = aperture.circle(2 * radius)
+    prepared = tracing.prepare(lens)
+    angles = np.radians([0.0, 4.0, 8.0])
+    real, near = [], []
+    for angle in angles:
+        power = image_power(prepared, [math.sin(angle), 0.0, math.cos(angle)])
+        real.append(float(np.mean(power)) / math.cos(angle))
+        near.append(aperture.energy(aperture.behind_rims(pupil, rims, (float(angle), 0.0))))
+    np.testing.assert_allclose(np.array(near) / near[0], np.array(real) / real[0], atol=0.06)
+    assert near[2] < 0.97 * near[0]
+
+
+def test_a_lens_of_another_focal_length_has_its_rims_scaled():
+    lens, _ = flare.open_lens("cooke_triplet_100mm")
+    own, double = flare.housing_rims(lens), flare.housing_rims(lens, 2 * paraxial.focal_length(lens))
+    for one, two in zip(own, double, strict=True):
+        assert two.diameter == pytest.approx(2 * one.diameter)
+        assert two.distance == pytest.approx(2 * one.distance)
