@@ -86,7 +86,8 @@ def test_colour_spaces_that_differ_are_refused():
 
 def test_a_picture_darkens_as_the_pupil_closes():
     dark = glare.vignette(CAMERA, RIMS, SHAPE)
-    assert dark[12, 20] == pytest.approx(1.0, abs=1e-3)
+    # Between the middle, where all is open, and the next place, where the rim cuts a little.
+    assert 0.97 < dark[12, 20] == dark.max() <= 1
     direction = glare.camera_direction(CAMERA, (0.0, 0.0))
     corner = aperture.open_part(aperture.circle(12.5e-3), RIMS, direction)
     assert dark[0, 0] == pytest.approx(corner, abs=1e-6)
@@ -100,15 +101,15 @@ def run(**more):
         jobs.Optics(jobs.Opening(shape="circle"), f_number=16.0, focal_length=50e-3),
         **more,
     )
-    return jobs.finish(job)
+    return jobs.finish(jobs.run(job))
 
 
 def test_a_lamp_at_the_border_has_the_cats_eyes_glare():
     """The pupil is narrow across there, so its light spreads farther across than down."""
     rims = (Rim(5e-3, 10e-3),)
     plain = run(pixel_pitch=20e-6)
-    far = dict(field=jobs.GlareField((1, 3), rims=rims))
-    assert run(pixel_pitch=20e-6, **far).report["field_kernels"] == 1
+    wide = jobs.GlareField((1, 3), rims=rims)
+    assert run(pixel_pitch=20e-6, field=wide).report["field_kernels"] == 1
     scaled = jobs.GlareField((1, 3), rims=(Rim(3.2e-3, 0.25),))
     found = run(pixel_pitch=20e-6, field=scaled)
     assert found.report["field_places"] == [3, 1]
