@@ -28,8 +28,8 @@ def housing_rims(lens: Lens, wanted_focal_length: float | None = None, axis: str
     -------
     list of Rim
         Of all surfaces but the stop, for `aureole.aperture.behind_rims`. These are images near the axis: the
-        light that they leave at 8 degrees is within 0.02 of what real rays find for lenses of f/2 and
-        slower such as the Cooke triplet and the Summicron, 0.11 too little for the Nikkor of f/1.2.
+        light that they leave at 8 degrees is within 0.02 of what real rays find for the Cooke triplet and
+        the Summicron, 0.05 too little for the Heliar and 0.11 for the Nikkor of f/1.2.
     """
     own = focal_length(lens, axis)
     scale = 1.0 if wanted_focal_length is None else wanted_focal_length / own
