@@ -109,7 +109,12 @@ Memory = Annotated[
 ]
 
 Source = Annotated[Path, typer.Argument(metavar="IN", help="Linear HDR picture: EXR, HDR, TIFF, PNG, JPEG.")]
-Mode = Annotated[str, typer.Option(help="replace, scatter or add.", rich_help_panel=MIXING)]
+Mode = Annotated[
+    str,
+    typer.Option(
+        help="replace, scatter, add or bloom (as scatter, many times faster).", rich_help_panel=MIXING
+    ),
+]
 Threshold = Annotated[
     float, typer.Option(help="Mode add: luminance above which light spreads.", rich_help_panel=MIXING)
 ]

@@ -7,9 +7,10 @@ sums to 1, and a finite one carries the fraction that it holds.
 camera      cameras, and their point spread functions
 camera_field  a camera's glare that changes over the frame
 kernel      fading, non-negative kernels, what other programs expect
-composite   replace, scatter and add
 area_light  lights with a size behind what hides parts of them: powers of their points, added up
 area_psf    the same in colour on a camera's pixels, and as a picture of the lamp with its glare
+composite   replace, scatter, add and bloom
+bloom       glare from box to box of a few pixels, for speed; how far it is from the full one
 sources     which light of a picture makes glare: the knee, the matte
 lamps       the lights that a picture shows: place, flux, colour, size
 tracks      the same through a shot, each with a number that stays
@@ -63,7 +64,7 @@ from aureole.glare.camera_field import (
     open_share_of,
     vignette,
 )
-from aureole.glare.composite import MODES, Composition, composite, prepare
+from aureole.glare.composite import EYE_MODES, MODES, Composition, composite, prepare
 from aureole.glare.eye import Eye, EyeState, check_eye, eye_named, states
 from aureole.glare.eye_adaptation import adapted, adapted_after
 from aureole.glare.eye_aperture import COMPONENTS, corona_layers, eye_aperture, eye_parts, open_share
@@ -101,6 +102,7 @@ from aureole.glare.veil import cie_135, cie_146, hemisphere_energy, spencer, sti
 __all__ = [
     "BORDERS",
     "COMPONENTS",
+    "EYE_MODES",
     "FRAMES",
     "HOSTS",
     "KNEES",

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import refuse
-from aureole.glare.composite import MODES
+from aureole.glare.composite import EYE_MODES
 from aureole.glare.eye_spread import RESOLUTIONS, spreader
 from aureole.glare.kernel import beyond_core, channel_sums, nonnegative
 from aureole.glare.sources import above_knee, checked_matte, refuse_other_space, with_colour
@@ -330,7 +330,7 @@ def glare_kernel(
     refuse.Refusal
         As in `eye_prepare`.
     """
-    refuse.one_of("mode", mode, MODES)
+    refuse.one_of("mode", mode, EYE_MODES)
     _refuse_other_scale(psf, shape, field_of_view)
     kernel = nonnegative(psf).pixels[..., :3].copy()
     total = float(channel_sums(kernel).max())

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from aureole import picture, refuse
 from aureole.glare import _kernels_half
 from aureole.glare.eye_stars import compact_light
-from aureole.glare.kernel import beyond_core
+from aureole.glare.kernel import beyond_core, cropped
 
 RESOLUTIONS = ("full", "half")
 # Radius in pixels within which a star's glare is laid at full resolution, fading over as much again.
@@ -106,7 +106,7 @@ class HalfSpread:
         boxes = (shape[0] + 1) // 2, (shape[1] + 1) // 2
         self._boxes = boxes
         far = kernel * beyond_core((kernel.shape[0], kernel.shape[1]), NEAR)[..., None]
-        self._near = _cropped(kernel - far, int(2 * NEAR))
+        self._near = cropped(kernel - far, int(2 * NEAR))
         self._all = picture.Convolver(halved_kernel(kernel), boxes, precision)
         self._far = picture.Convolver(halved_kernel(far), boxes, precision)
 
@@ -179,12 +179,3 @@ def spreader(kernel: NDArray[np.float32], shape: tuple[int, int], resolution: st
     if refuse.one_of("resolution", resolution, RESOLUTIONS) == "half":
         return HalfSpread(kernel, shape, precision)
     return picture.Convolver(kernel, shape, precision)
-
-
-def _cropped(kernel: NDArray[np.float32], radius: int) -> NDArray[np.float32]:
-    """Return the kernel within a radius, its centre where a kernel of that size has it."""
-    spans = []
-    for length in kernel.shape[:2]:
-        before, after = min(radius, length // 2), min(radius, length - 1 - length // 2)
-        spans.append(slice(length // 2 - before, length // 2 + after + 1))
-    return np.ascontiguousarray(kernel[spans[0], spans[1]])

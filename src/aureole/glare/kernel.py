@@ -105,6 +105,28 @@ def channel_sums(pixels: NDArray[np.floating]) -> NDArray[np.float64]:
     return np.asarray(along.reshape(columns, channels).sum(axis=0))
 
 
+def cropped(kernel: NDArray[np.float32], radius: int) -> NDArray[np.float32]:
+    """Return a kernel's middle.
+
+    Parameters
+    ----------
+    kernel : ndarray of float32, shape (rows, columns, channels)
+        Its centre at (rows // 2, columns // 2).
+    radius : int
+        Pixels to keep on each side of it.
+
+    Returns
+    -------
+    ndarray of float32, shape (R, C, channels)
+        Its centre at (R // 2, C // 2).
+    """
+    spans = []
+    for length in kernel.shape[:2]:
+        before, after = min(radius, length // 2), min(radius, length - 1 - length // 2)
+        spans.append(slice(length // 2 - before, length // 2 + after + 1))
+    return np.ascontiguousarray(kernel[spans[0], spans[1]])
+
+
 def kernel_for(psf: Picture, host: str) -> Picture:
     """Return a kernel as another program expects it.
 

@@ -173,7 +173,7 @@ def eye_view(job: EyeGlareJob) -> EyeView:
     refuse.Refusal
         Where a choice or a number does not fit, or memory would not suffice.
     """
-    refuse.one_of("mode", job.mode, glare.MODES)
+    refuse.one_of("mode", job.mode, glare.EYE_MODES)
     refuse.one_of("resolution", job.resolution, RESOLUTIONS)
     refuse.one_of("precision", job.precision, ("single", "double"))
     check_field(job.eye.field_of_view, "perspective")

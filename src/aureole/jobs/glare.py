@@ -35,7 +35,7 @@ class GlareJob:
     illuminant : str
         Spectrum of white in the picture.
     mode : str
-        "replace", "scatter" or "add".
+        "replace", "scatter", "add" or "bloom".
     matte : ndarray, optional
         0..1, which pixels are sources.
     threshold, knee, gain : float
