@@ -95,9 +95,13 @@ def roughness(pixels, boxes, side, least, first, last, rough):  # type: ignore[n
 
 
 @njit(cache=True, nogil=True)
-def splat_rough(pixels, boxes, side, rough, level, kernel, out):  # type: ignore[no-untyped-def]
-    """Add the kernel for what pixels above a level differ from the boxes' light, none of it at the level."""
+def splat_rough(pixels, boxes, side, rough, level, kernel, out, moved):  # type: ignore[no-untyped-def]
+    """Add the kernel for what pixels above a level differ from the boxes' light, none of it at the level.
+
+    Boxes are filled with the light that was spread so.
+    """
     high, wide, _ = kernel.shape
+    rows, columns, _ = boxes.shape
     left_over = kernel[0, 0].copy()
     for row in range(rough.shape[0]):
         for column in range(rough.shape[1]):
@@ -112,8 +116,18 @@ def splat_rough(pixels, boxes, side, rough, level, kernel, out):  # type: ignore
                     if most <= level:
                         continue
                     share = left_over.dtype.type(1 - (level / most) ** 2)
+                    y, x = (i % side + 0.5) / side - 0.5, (j % side + 0.5) / side - 0.5
+                    next_row = min(max(row + (1 if y > 0 else -1), 0), rows - 1)
+                    next_column = min(max(column + (1 if x > 0 else -1), 0), columns - 1)
+                    y, x = abs(y), abs(x)
+                    for k in range(3):
+                        left_over[k] *= share
+                        moved[row, column, k] += (1 - y) * (1 - x) * left_over[k]
+                        moved[row, next_column, k] += (1 - y) * x * left_over[k]
+                        moved[next_row, column, k] += y * (1 - x) * left_over[k]
+                        moved[next_row, next_column, k] += y * x * left_over[k]
                     top, left = i - high // 2, j - wide // 2
-                    for y in range(max(0, -top), min(high, out.shape[0] - top)):
-                        for x in range(max(0, -left), min(wide, out.shape[1] - left)):
+                    for p in range(max(0, -top), min(high, out.shape[0] - top)):
+                        for q in range(max(0, -left), min(wide, out.shape[1] - left)):
                             for k in range(3):
-                                out[top + y, left + x, k] += share * left_over[k] * kernel[y, x, k]
+                                out[top + p, left + q, k] += left_over[k] * kernel[p, q, k]

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import picture, refuse
-from aureole.glare import _kernels_bloom
-from aureole.glare.kernel import cropped
+from aureole.glare import _kernels_bloom, _kernels_half
+from aureole.glare.kernel import beyond_core, cropped
 from aureole.picture.torus import share, thread_count
 
 SIDE = 4  # pixels along a box
@@ -43,7 +43,9 @@ class BloomSpread:
     ) -> None:
         self.side = refuse.at_least("side", side, 2)
         self.boxes = -(-shape[0] // side), -(-shape[1] // side)
-        self._near = cropped(kernel, NEAR)
+        near = kernel * (1 - beyond_core((kernel.shape[0], kernel.shape[1]), NEAR / 2)[..., None])
+        self._near = cropped(near, NEAR)
+        self._near_boxed = boxed_kernel(self._near, side)
         self._spread = picture.Convolver(boxed_kernel(kernel, side), self.boxes, precision)
         self._lowest = np.float32(0 if float(kernel.min()) >= 0 else -np.inf)
         self._threads = thread_count(None)
@@ -66,8 +68,8 @@ class BloomSpread:
         light = np.ascontiguousarray(pixels, dtype=np.float32)
         boxes = self._gathered(light)
         out = np.zeros_like(light)
-        self._spread_rough(light, boxes, out)
         glare = np.ascontiguousarray(self._spread(boxes), dtype=np.float32)
+        self._spread_rough(light, boxes, out, glare)
         lowest = self._lowest if float(boxes.min()) >= 0 else np.float32(-np.inf)
         side = self.side
 
@@ -88,8 +90,10 @@ class BloomSpread:
         share(gather, range(0, len(boxes), BAND), self._threads)
         return boxes
 
-    def _spread_rough(self, light: NDArray[np.float32], boxes: NDArray[Any], out: NDArray[Any]) -> None:
-        """Spread at full resolution what the roughest pixels differ from the boxes' light."""
+    def _spread_rough(
+        self, light: NDArray[np.float32], boxes: NDArray[Any], out: NDArray[Any], glare: NDArray[Any]
+    ) -> None:
+        """Spread what the roughest pixels differ from the boxes' light near by, and not from box to box."""
         most = boxes.max(axis=2)
         rank = max(most.size - 16 * ROUGH_BOXES, 0)
         least = np.float32(np.partition(most, rank, axis=None)[rank] if rank else 0)
@@ -102,7 +106,10 @@ class BloomSpread:
         share(measure, range(0, len(rough), BAND), self._threads)
         rank = max(rough.size - ROUGH_BOXES, 0)
         level = np.float32(np.partition(rough, rank, axis=None)[rank] if rank else 0)
-        _kernels_bloom.splat_rough(light, boxes, self.side, rough, level, self._near, out)
+        moved = np.zeros_like(boxes)
+        _kernels_bloom.splat_rough(light, boxes, self.side, rough, level, self._near, out, moved)
+        rows, columns = np.nonzero(moved.any(axis=2))
+        _kernels_half.splat(rows, columns, -moved[rows, columns], self._near_boxed, glare)
 
 
 def boxed_kernel(kernel: NDArray[np.floating], side: int) -> NDArray[np.float32]:
