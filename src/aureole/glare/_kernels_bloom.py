@@ -67,7 +67,7 @@ def lay(boxes, side, lit, kept, lowest, first, last, out):  # type: ignore[no-un
 
 @njit(cache=True, nogil=True)
 def _left_over(pixels, boxes, side, i, j, k):  # type: ignore[no-untyped-def]
-    """Return what a pixel has above the light that its boxes bring back to it."""
+    """Return what a pixel has above the light that its boxes bring back to it; 0 where that is less."""
     rows, columns, _ = boxes.shape
     row, column = i // side, j // side
     y, x = (i % side + 0.5) / side - 0.5, (j % side + 0.5) / side - 0.5
@@ -76,12 +76,12 @@ def _left_over(pixels, boxes, side, i, j, k):  # type: ignore[no-untyped-def]
     y, x = abs(y), abs(x)
     here = (1 - x) * boxes[row, column, k] + x * boxes[row, next_column, k]
     there = (1 - x) * boxes[next_row, column, k] + x * boxes[next_row, next_column, k]
-    return pixels[i, j, k] - ((1 - y) * here + y * there) / (side * side)
+    return max(pixels[i, j, k] - ((1 - y) * here + y * there) / (side * side), 0.0)
 
 
 @njit(cache=True, nogil=True)
 def roughness(pixels, boxes, side, least, first, last, rough):  # type: ignore[no-untyped-def]
-    """Find the most that a pixel of each box that holds enough light differs from the boxes' light."""
+    """Find the most that a pixel of each box that holds enough light has above the boxes' light."""
     for row in range(first, last):
         for column in range(boxes.shape[1]):
             most = 0.0
@@ -90,13 +90,13 @@ def roughness(pixels, boxes, side, least, first, last, rough):  # type: ignore[n
                 for i in range(row * side, min((row + 1) * side, pixels.shape[0])):
                     for j in range(column * side, min((column + 1) * side, pixels.shape[1])):
                         for k in range(3):
-                            most = max(most, abs(_left_over(pixels, boxes, side, i, j, k)))
+                            most = max(most, _left_over(pixels, boxes, side, i, j, k))
             rough[row, column] = most
 
 
 @njit(cache=True, nogil=True)
 def splat_rough(pixels, boxes, side, rough, level, kernel, out, moved):  # type: ignore[no-untyped-def]
-    """Add the kernel for what pixels above a level differ from the boxes' light, none of it at the level.
+    """Add the kernel for what pixels have above the boxes' light, none of it up to a level.
 
     Boxes are filled with the light that was spread so.
     """
@@ -112,7 +112,7 @@ def splat_rough(pixels, boxes, side, rough, level, kernel, out, moved):  # type:
                     most = 0.0
                     for k in range(3):
                         left_over[k] = _left_over(pixels, boxes, side, i, j, k)
-                        most = max(most, abs(left_over[k]))
+                        most = max(most, left_over[k])
                     if most <= level:
                         continue
                     share = left_over.dtype.type(1 - (level / most) ** 2)

@@ -3,8 +3,8 @@
 Light is gathered into square boxes of pixels, spread from box to box, and brought back by straight lines
 between the boxes' middles; every step keeps the light and its place, so that what moves by parts of a pixel
 moves smoothly. The core stays sharp, as in "scatter". Where the picture is rough (small lamps, edges of
-bright surfaces) boxes smear the glare near by: there, what the roughest pixels differ from their boxes'
-light is spread at full resolution, as far as the kernel is steep.
+bright surfaces) boxes smear the glare near by: there, what the roughest pixels have above their
+boxes' light is spread at full resolution, as far as the kernel is steep.
 """
 
 from typing import Any
@@ -93,7 +93,7 @@ class BloomSpread:
     def _spread_rough(
         self, light: NDArray[np.float32], boxes: NDArray[Any], out: NDArray[Any], glare: NDArray[Any]
     ) -> None:
-        """Spread what the roughest pixels differ from the boxes' light near by, and not from box to box."""
+        """Spread what the roughest pixels have above the boxes' light near by, and not from box to box."""
         most = boxes.max(axis=2)
         rank = max(most.size - 16 * ROUGH_BOXES, 0)
         least = np.float32(np.partition(most, rank, axis=None)[rank] if rank else 0)
