@@ -39,11 +39,14 @@ surface_measure photographs of a sample, and the table that they make
 surface_export  a surface for other software
 surface_scene   what suits a surface that is drawn: object, distance, metals
 surface_render  pictures of a diffractive surface on an object, still or turning
+cluster         who makes frames: this process, several of this machine, or a cluster's machines
+cluster_versions what a machine has that frames depend on
 demo            the main job on the bundled scene
 run             run(job): the one door to all of them
 """
 
 from aureole.jobs.aperture import ApertureJob, ApertureResult
+from aureole.jobs.cluster import Crew, Delivery, deliver
 from aureole.jobs.demo import DemoJob, DemoResult
 from aureole.jobs.eye import QUICK_GRID, EyeAnimationJob, EyeJob, EyeResult
 from aureole.jobs.eye_glare import EyeGlareJob, EyeGlareResult
@@ -116,6 +119,8 @@ __all__ = [
     "ApertureJob",
     "ApertureResult",
     "Bracket",
+    "Crew",
+    "Delivery",
     "DemoJob",
     "DemoResult",
     "EyeAnimationJob",
@@ -165,6 +170,7 @@ __all__ = [
     "Viewer",
     "check_drawing",
     "check_page",
+    "deliver",
     "export",
     "export_places",
     "export_target",
