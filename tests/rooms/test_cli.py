@@ -260,6 +260,31 @@ def test_exit_code_and_stderr_of_the_real_command(tmp_path):
     assert done.stdout == ""
 
 
+TERMINATED = """
+import os, signal, sys
+from aureole import picture
+from aureole.cli.main import main
+
+def read(path, **how):
+    with picture.whole_file("half.txt") as part:
+        part.write_text("half of")
+        os.kill(os.getpid(), signal.SIGTERM)
+        raise AssertionError("the signal comes before this line ends")
+
+picture.read = read
+main(["glare", "night.exr", "-o", "out.exr"])
+"""
+
+
+def test_a_process_that_is_terminated_leaves_nothing_half_written_and_says_so(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-c", TERMINATED], capture_output=True, text=True, cwd=tmp_path, check=False
+    )
+    assert done.returncode == 143
+    assert done.stderr == "aureole: terminated; nothing half-written is left.\n"
+    assert not list(tmp_path.iterdir())
+
+
 def test_kill_9_leaves_either_no_output_or_a_whole_one(lamps, tmp_path):
     words = [sys.executable, "-m", "aureole.cli", "glare", str(lamps), "-o", "out.exr", "--kernel-size", "33"]
     out = tmp_path / "out.exr"

@@ -125,14 +125,16 @@ def test_without_dask_the_refusal_says_what_to_install(monkeypatch):
 
 def test_a_scheduler_that_does_not_answer_is_no_refusal_but_worth_another_try(monkeypatch, tmp_path):
     monkeypatch.setattr(cluster, "ANSWER", 0.5)
-    with pytest.raises(ConnectionError, match="'tcp://127.0.0.1:9' does not answer"):
+    with pytest.raises(ConnectionError, match=r"'tcp://127\.0\.0\.1:9' does not answer"):
         list(jobs.deliver(shoot, [Shot(0, tmp_path)], jobs.Crew(scheduler="tcp://127.0.0.1:9")))
 
 
 def test_memory_is_shared_among_the_workers_of_one_machine():
     assert jobs.Crew(workers=4).memory(8_000) == 2_000
     assert jobs.Crew().memory(8_000) == jobs.Crew(scheduler="tcp://farm:1").memory(8_000) == 8_000
-    assert jobs.Crew(workers=4).memory(None) is None
+    free = picture.allowed_memory()
+    assert jobs.Crew(workers=4).memory(None) == pytest.approx(free / 4, rel=0.2)
+    assert jobs.Crew().memory(None) is None
 
 
 class Workers:

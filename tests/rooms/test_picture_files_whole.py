@@ -102,3 +102,18 @@ def test_kill_9_leaves_a_whole_file_or_none(tmp_path):
         if turn + 1 >= STRIKES and min(found.values()) > 0:
             break
     assert min(found.values()) > 0, found
+
+
+def test_what_killed_processes_left_is_removed_once_the_file_is_whole(tmp_path):
+    out = tmp_path / "out.0001.exr"
+    left = [tmp_path / f".out.0001.exr.{number}-0.partial.exr" for number in (4711, 4712)]
+    others = [tmp_path / ".out.0002.exr.4711-0.partial.exr", tmp_path / ".out.0001.exr"]
+    for path in (*left, *others):
+        path.write_text("half of")
+        os.utime(path, ns=(1, 1))
+    assert picture.clear_partials(out) == 0
+    out.write_text("whole")
+    # One that is younger than the file may still be written by somebody.
+    os.utime(left[1], ns=(2 * out.stat().st_mtime_ns,) * 2)
+    assert picture.clear_partials(out) == 1
+    assert {path.name for path in tmp_path.iterdir()} == {p.name for p in (out, left[1], *others)}

@@ -35,8 +35,8 @@ class CrewFlags:
         str | None,
         typer.Option(
             "--scheduler",
-            help="Let a Dask cluster's workers make the frames: its scheduler's address, tcp://host:8786. They "
-            "need the same Aureole and the same folders; it needs the extra [cluster].",
+            help="Let a Dask cluster's workers make the frames: its scheduler's address, tcp://host:8786. "
+            "They need the same Aureole and the same folders; it needs the extra [cluster].",
             rich_help_panel=CREW,
         ),
     ] = None

@@ -1,16 +1,22 @@
 """The entry point: what goes wrong is said in one line, with the exit code that means it.
 
-0 is done, 2 is refused (the input cannot be served), 1 is a fault of ours, 130 is interrupted.
+0 is done; 2 is refused: the input cannot be served, and another try will not help; 1 is a fault of ours, or
+frames that are missing; 130 is interrupted by a person, 143 terminated by what started it, as farms do.
 """
 
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
 from aureole.refuse import Refusal
 
-DONE, FAULT, REFUSED, INTERRUPTED = 0, 1, 2, 130
+DONE, FAULT, REFUSED, INTERRUPTED, TERMINATED = 0, 1, 2, 130, 143
+
+
+class Terminated(BaseException):
+    """The system asked the process to end: what is half-written is removed on the way out."""
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
@@ -21,6 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     arguments : sequence of str, optional
         Words after `aureole`; those of the process otherwise.
     """
+    signal.signal(signal.SIGTERM, _terminate)
     sys.exit(run(sys.argv[1:] if arguments is None else arguments))
 
 
@@ -35,7 +42,7 @@ def run(arguments: Sequence[str]) -> int:
     Returns
     -------
     int
-        0 done, 2 refused, 1 a fault of ours, 130 interrupted.
+        0 done, 2 refused, 1 a fault of ours or frames that are missing, 130 interrupted, 143 terminated.
     """
     import typer
     from typer.main import get_command
@@ -52,11 +59,19 @@ def run(arguments: Sequence[str]) -> int:
         return _say("interrupted; nothing half-written is left.", INTERRUPTED)
     except KeyboardInterrupt:
         return _say("interrupted; nothing half-written is left.", INTERRUPTED)
+    except Terminated:
+        return _say("terminated; nothing half-written is left.", TERMINATED)
     except Exception as error:
         return _unexpected(error)
     if code == INTERRUPTED:  # some versions of the command line's library return it instead of raising
         return _say("interrupted; nothing half-written is left.", INTERRUPTED)
     return code if isinstance(code, int) else DONE
+
+
+def _terminate(number: int, frame: object) -> NoReturn:
+    """Leave by the way that an interrupt takes; a second signal ends the process at once."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    raise Terminated
 
 
 def _unexpected(error: Exception) -> int:

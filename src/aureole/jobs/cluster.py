@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from aureole import refuse
+from aureole import picture, refuse
 from aureole.jobs.cluster_versions import Signature, differences, signature
 
 Task = TypeVar("Task")
@@ -74,7 +74,7 @@ class Crew:
 
     def memory(self, allowed: int | None) -> int | None:
         """Return the bytes that each frame may use, where so many are allowed on this machine in all."""
-        return allowed if allowed is None or self.workers is None else allowed // self.workers
+        return allowed if self.workers is None else picture.allowed_memory(allowed) // self.workers
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ from aureole.picture.regions import Regions, bright_labels, measured_regions
 from aureole.picture.scene import night_scene
 from aureole.picture.transfer import decode_srgb, encode_srgb, into_gamut
 from aureole.picture.video import check_video, video_file
-from aureole.picture.whole_files import whole_file, writable
+from aureole.picture.whole_files import clear_partials, whole_file, writable
 from aureole.picture.writing import COMPRESSIONS, write
 
 __all__ = [
@@ -65,6 +65,7 @@ __all__ = [
     "auto_exposure",
     "bright_labels",
     "check_video",
+    "clear_partials",
     "convolve",
     "decode_srgb",
     "describe",

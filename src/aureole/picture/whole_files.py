@@ -6,6 +6,7 @@ no name of ours and no frame pattern takes it for a result.
 """
 
 import contextlib
+import glob
 import itertools
 import os
 from collections.abc import Iterator
@@ -82,6 +83,30 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             part.unlink(missing_ok=True)
     with contextlib.suppress(OSError):  # not every system lets a folder be flushed
         _flush(place.parent)
+
+
+def clear_partials(path: str | os.PathLike[str]) -> int:
+    """Remove what processes that were killed left beside a file that has been written whole since.
+
+    Parameters
+    ----------
+    path : path_like
+        The whole file.
+
+    Returns
+    -------
+    int
+        How many were removed: those that are older than the file.
+    """
+    place = Path(path).resolve()
+    removed = 0
+    with contextlib.suppress(OSError):
+        whole = place.stat().st_mtime_ns
+        for part in place.parent.glob(f".{glob.escape(place.name)}.*.partial{glob.escape(place.suffix)}"):
+            if part.stat().st_mtime_ns < whole:
+                part.unlink()
+                removed += 1
+    return removed
 
 
 def _flush(path: Path) -> None:
