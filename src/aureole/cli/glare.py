@@ -106,12 +106,19 @@ def glare(
     _refuse_eye(over, viewer)
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
     kernel = runs.Kernel(kernel_size, options.pixel_pitch(pitch), across.whole_kernel, across.wanted(pupil))
-    if frame_files.is_pattern(source):
-        many = sequence_runs.Sequence(files, sequence, moving, options.memory(memory))
-        sequence_runs.glare(camera, many, look, kernel, as_json)
+    many = sequence_runs.Sequence(files, sequence, moving, options.memory(memory))
+    _camera(camera, many, look, kernel, as_json)
+
+
+def _camera(
+    camera: jobs.Optics, asked: sequence_runs.Sequence, look: runs.Look, kernel: runs.Kernel, as_json: bool
+) -> None:
+    """Lay a camera's glare over one picture, or over many."""
+    if frame_files.is_pattern(asked.files.source):
+        sequence_runs.glare(camera, asked, look, kernel, as_json)
         return
-    _refuse_many(sequence, moving)
-    runs.glare(camera, files, look, kernel, options.memory(memory), as_json)
+    _refuse_many(asked.flags, asked.moving)
+    runs.glare(camera, asked.files, look, kernel, asked.memory, as_json)
 
 
 def _refuse_eye(over: OverFlags, viewer: EyeFlags) -> None:

@@ -9,9 +9,9 @@ from rich.console import Console
 from rich.table import Table
 
 from aureole import glare, jobs, picture, refuse
-from aureole.cli import frames as numbered
 from aureole.cli import options, output
 from aureole.cli.options import FILES
+from aureole.jobs import frame_files as numbered
 
 app = typer.Typer(
     help="Find the lights that pictures show, and follow them through a shot.",
