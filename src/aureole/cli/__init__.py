@@ -16,6 +16,7 @@ surface_export  the command `aureole surface export`
 surface_runs  running the jobs of diffractive surfaces and writing their files
 bench     the commands `aureole bench`
 options   flags that several commands share
+cluster_options flags of who makes frames
 pupil_options  flags of vanes, dirt and wavefronts
 flare_options  flags of a lens's lights and ghosts
 eye_options    flags of eyes, and of what they look at

@@ -12,9 +12,11 @@ import typer
 
 from aureole import jobs, picture, refuse
 from aureole.cli import output
+from aureole.cli.cluster_options import CrewFlags
 from aureole.cli.moving import MovingFlags, given
 from aureole.cli.runs import GlareFiles, Kernel, Look
 from aureole.jobs import frame_files
+from aureole.jobs.sequence import Spreader, one_by_one
 
 SEQUENCE = "Sequences"
 # Of the frames that are not there, how many a person is told one by one.
@@ -23,11 +25,13 @@ INCOMPLETE = 1
 
 
 @dataclass(frozen=True)
-class SequenceFlags:
+class SequenceFlags(CrewFlags):
     """The flags of sequences alone; each field's option teaches its use.
 
     Parameters
     ----------
+    workers, scheduler : optional
+        Who makes the frames.
     log, video : Path, optional
         Files to write.
     """
@@ -36,7 +40,7 @@ class SequenceFlags:
         Path | None,
         typer.Option(
             "--log",
-            help="Append a line of JSON for each frame: its number, state, seconds and reason.",
+            help="Append a line of JSON for each frame: its number, state, seconds, worker and reason.",
             rich_help_panel=SEQUENCE,
         ),
     ] = None
@@ -90,6 +94,17 @@ class Sequence:
             picture.writable(picture.check_video(self.flags.video))
         if self.flags.log is not None:
             picture.writable(self.flags.log)
+        self.flags.crew()
+
+    @property
+    def frame_memory(self) -> int | None:
+        """Bytes that each frame may use: workers of this machine share what there is."""
+        return self.flags.crew().memory(self.memory)
+
+    def spread(self) -> Spreader:
+        """Return who makes the frames, as `SequenceJob` takes it."""
+        crew = self.flags.crew()
+        return one_by_one if crew.alone else jobs.spread_over(crew, lambda note: output.say_notes([note]))
 
     def tasks(self, maker: jobs.FrameMaker, words: str) -> tuple[jobs.FrameTask, ...]:
         """Return the frames to make."""
@@ -101,7 +116,7 @@ class Sequence:
             self.moving.numbers(),
             maker,
             words,
-            {"nan": files.nan, "memory": self.memory, **colours},
+            {"nan": files.nan, "memory": self.frame_memory, **colours},
             {"pixel_type": output.pixel_type_for(files.out, files.pixel_type), **colours},
             self.moving.overwrite,
         )
@@ -133,7 +148,7 @@ def glare(
     maker = jobs.GlareMaker.of(
         camera,
         asked.files.matte,
-        memory=asked.memory,
+        memory=asked.frame_memory,
         **vars(kernel),
         **vars(look),
     )
@@ -161,7 +176,7 @@ def make(title: str, asked: Sequence, tasks: tuple[jobs.FrameTask, ...], as_json
         With 1 where frames are missing or broken; all others are made.
     """
     start = time.perf_counter()
-    result = _follow(jobs.SequenceJob(tasks), asked.flags.log)
+    result = _follow(jobs.SequenceJob(tasks, asked.spread()), asked.flags.log)
     written = [asked.files.out]
     there = [outcome.target for outcome in result.outcomes if outcome.is_there]
     if asked.flags.video is not None and there:

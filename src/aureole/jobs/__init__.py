@@ -40,6 +40,7 @@ surface_export  a surface for other software
 surface_scene   what suits a surface that is drawn: object, distance, metals
 surface_render  pictures of a diffractive surface on an object, still or turning
 cluster         who makes frames: this process, several of this machine, or a cluster's machines
+cluster_frames  a sequence's frames made by them
 cluster_versions what a machine has that frames depend on
 demo            the main job on the bundled scene
 run             run(job): the one door to all of them
@@ -47,6 +48,7 @@ run             run(job): the one door to all of them
 
 from aureole.jobs.aperture import ApertureJob, ApertureResult
 from aureole.jobs.cluster import Crew, Delivery, deliver
+from aureole.jobs.cluster_frames import spread_over
 from aureole.jobs.demo import DemoJob, DemoResult
 from aureole.jobs.eye import QUICK_GRID, EyeAnimationJob, EyeJob, EyeResult
 from aureole.jobs.eye_glare import EyeGlareJob, EyeGlareResult
@@ -196,6 +198,7 @@ __all__ = [
     "sequence_tasks",
     "shown_lamps",
     "shown_shape",
+    "spread_over",
     "surface_from_bokeh",
     "usual_shape",
     "video_stages",
