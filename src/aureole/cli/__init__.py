@@ -18,6 +18,7 @@ bench     the commands `aureole bench`
 options   flags that several commands share
 cluster_options flags of who makes frames
 pupil_options  flags of vanes, dirt and wavefronts
+glare_options  flags of files and of mixing
 flare_options  flags of a lens's lights and ghosts
 eye_options    flags of eyes, and of what they look at
 near_options   flags of planes behind an opening, of many distances, and of ringing textures
@@ -25,9 +26,9 @@ surface_options  flags of surfaces and of their tables
 surface_measure_options  flags of photographs, of the bench, and of their processing
 surface_render_options  flags of objects, lamps, cameras and materials
 moving    flags of animations, and the files of their frames
+sequence_runs  running sequences of pictures: log, video, exit code
 job_commands  job files for every command; the command `aureole run`
 job_files  flags read from TOML and written to it
-frames    numbered files: names with ####, lists of frames
 output    progress, reports, and files that appear whole
 views     previews, and mattes read from files
 """

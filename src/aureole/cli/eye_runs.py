@@ -8,8 +8,9 @@ from typing import Any
 from aureole import jobs, picture, refuse
 from aureole.cli import output, views
 from aureole.cli.eye_options import AnimationFlags, OverFlags
+from aureole.cli.glare_options import Look
 from aureole.cli.moving import SHOWN, FrameFiles, given
-from aureole.cli.runs import GlareFiles, Look, read, write_picture
+from aureole.cli.runs import GlareFiles, read, write_picture
 from aureole.records import Picture
 
 PARTS_SIZE = 768
@@ -82,8 +83,8 @@ class Over:
         How to mix.
     flags : OverFlags
         Of the eye's glare alone.
-    kernel_size, memory : int, optional
-        Pixels, and bytes that may be used.
+    kernel_size : int, optional
+        Pixels.
     """
 
     eye: jobs.EyeJob
@@ -91,7 +92,6 @@ class Over:
     look: Look
     flags: OverFlags
     kernel_size: int | None
-    memory: int | None
 
     def job(self, source: Picture) -> jobs.EyeGlareJob:
         """Return the job for a picture."""
@@ -105,7 +105,7 @@ class Over:
             patterns=1 if self.flags.patterns is None else self.flags.patterns,
             stamps=refuse.at_least("stamps", self.flags.stamps, 0),
             kernel_size=self.kernel_size,
-            memory=self.memory,
+            memory=self.files.how.most(),
             **look,
         )
 
@@ -130,7 +130,7 @@ def over(asked: Over, moving: AnimationFlags, as_json: bool) -> None:
             raise refuse.Refusal(f"'{name}' is for frames; it needs --animate.")
     start, files = time.perf_counter(), asked.files
     written = output.places(files.out, files.psf, files.preview)
-    source = read(files, asked.memory)
+    source = read(files)
     result = output.follow(jobs.run(asked.job(source)))
     write_picture(files, files.out, result.picture)
     if files.psf is not None:
@@ -156,7 +156,7 @@ def _over_frames(asked: Over, moving: AnimationFlags, as_json: bool) -> None:
 
     files = FrameFiles(asked.files.out, moving, write)
     written = files.places()
-    source = read(asked.files, asked.memory)
+    source = read(asked.files)
     flags = asked.flags
     job = jobs.EyeGlareAnimationJob(
         asked.job(source), files.frames(), flags.photosafe, flags.white, flags.real_time

@@ -7,9 +7,10 @@ from aureole import jobs, refuse
 from aureole.cli import eye_runs, options, runs, sequence_runs
 from aureole.cli.eye_options import AnimationFlags, EyeFlags, OverFlags
 from aureole.cli.field_options import FieldFlags
-from aureole.cli.moving import given
+from aureole.cli.glare_options import FileFlags, Look, LookFlags
+from aureole.cli.moving import MovingFlags, given
 from aureole.cli.options import ShapeFlags
-from aureole.cli.pupil_options import PupilFlags, numbers, with_flags
+from aureole.cli.pupil_options import PupilFlags, with_flags
 from aureole.cli.sequence_runs import SequenceFlags
 from aureole.jobs import frame_files
 
@@ -23,6 +24,8 @@ SHARED = ("seed", "defocus", "zernike")
 @with_flags("over", OverFlags)
 @with_flags("sequence", SequenceFlags)
 @with_flags("across", FieldFlags)
+@with_flags("mixing", LookFlags)
+@with_flags("how", FileFlags)
 def glare(
     source: options.Source,
     out: options.Out,
@@ -32,6 +35,8 @@ def glare(
     moving: AnimationFlags,
     sequence: SequenceFlags,
     across: FieldFlags,
+    mixing: LookFlags,
+    how: FileFlags,
     focal_length: options.FocalLength = None,
     f_number: options.FNumber = None,
     preset: options.Preset = None,
@@ -46,22 +51,10 @@ def glare(
     width: options.Width = None,
     height: options.Height = None,
     aperture_picture: options.ApertureFile = None,
-    illuminant: options.Illuminant = "D65",
-    mode: options.Mode = "replace",
-    threshold: options.Threshold = 1.0,
-    knee: options.Knee = 0.5,
-    gain: options.Gain = 1.0,
-    tint: options.Tint = "1,1,1",
     matte: options.Matte = None,
     kernel_size: options.KernelSide = None,
-    precision: options.Precision = "double",
     psf: options.Psf = None,
     preview: options.Preview = None,
-    pixel_type: options.PixelType = "auto",
-    nan: options.Nan = "refuse",
-    color_config: options.ColorConfig = None,
-    color_space: options.ColorSpace = None,
-    memory: options.Memory = None,
     as_json: options.Json = False,
 ) -> None:
     """Lay the glare of a camera, or of an eye, over a linear HDR picture.
@@ -94,31 +87,31 @@ def glare(
     shape = ShapeFlags(
         aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture, pupil
     )
-    files = runs.GlareFiles(source, out, psf, preview, matte, pixel_type, nan, color_config, color_space)
-    look = runs.Look(illuminant, mode, threshold, knee, gain, numbers(tint, "tint", 3), precision)
+    files = runs.GlareFiles(source, out, psf, preview, matte, how)
+    look = mixing.look()
     lens = {"focal-length": focal_length, "f-number": f_number, "sensor": sensor, "iris": iris}
     if over.eye:
         _refuse_camera(source, sequence, {**lens, "pixel-pitch": pitch}, shape, across)
-        eye = _eye(viewer, moving, pupil, preset, illuminant)
-        asked = eye_runs.Over(eye, files, look, over, kernel_size, options.memory(memory))
+        eye = _eye(viewer, moving, pupil, preset, look.illuminant)
+        asked = eye_runs.Over(eye, files, look, over, kernel_size)
         eye_runs.over(asked, moving, as_json)
         return
     _refuse_eye(over, viewer)
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
     kernel = runs.Kernel(kernel_size, options.pixel_pitch(pitch), across.whole_kernel, across.wanted(pupil))
-    many = sequence_runs.Sequence(files, sequence, moving, options.memory(memory))
+    many = sequence_runs.Sequence(files, sequence, moving)
     _camera(camera, many, look, kernel, as_json)
 
 
 def _camera(
-    camera: jobs.Optics, asked: sequence_runs.Sequence, look: runs.Look, kernel: runs.Kernel, as_json: bool
+    camera: jobs.Optics, asked: sequence_runs.Sequence, look: Look, kernel: runs.Kernel, as_json: bool
 ) -> None:
     """Lay a camera's glare over one picture, or over many."""
     if frame_files.is_pattern(asked.files.source):
         sequence_runs.glare(camera, asked, look, kernel, as_json)
         return
     _refuse_many(asked.flags, asked.moving)
-    runs.glare(camera, asked.files, look, kernel, asked.memory, as_json)
+    runs.glare(camera, asked.files, look, kernel, as_json)
 
 
 def _refuse_eye(over: OverFlags, viewer: EyeFlags) -> None:
@@ -127,7 +120,7 @@ def _refuse_eye(over: OverFlags, viewer: EyeFlags) -> None:
         raise refuse.Refusal(f"'{name}' is for an eye's glare; it needs --eye.")
 
 
-def _refuse_many(sequence: SequenceFlags, moving: AnimationFlags) -> None:
+def _refuse_many(sequence: SequenceFlags, moving: MovingFlags) -> None:
     """Refuse flags of many pictures where there is one."""
     for name in given(sequence):
         raise refuse.Refusal(f"'{name}' is for sequences; IN and OUT need #### for the frame's number.")

@@ -1,12 +1,12 @@
 """Running a command's job: outputs are refused before work, files are written after it."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
 
 from aureole import jobs, picture
 from aureole.cli import output, views
+from aureole.cli.glare_options import FileFlags, Look
 from aureole.records import Picture
 
 
@@ -20,14 +20,8 @@ class GlareFiles:
         Picture in, picture out.
     psf, preview, matte : Path, optional
         Kernel out, PNG out, matte in.
-    pixel_type : str
-        Of the picture out.
-    nan : str
-        "refuse" or "zero".
-    color_config : Path, optional
-        OpenColorIO configuration.
-    color_space : str, optional
-        The space of both pictures in that configuration.
+    how : FileFlags
+        Pixel type, colours, memory, and what becomes of NaN.
     """
 
     source: Path
@@ -35,35 +29,7 @@ class GlareFiles:
     psf: Path | None = None
     preview: Path | None = None
     matte: Path | None = None
-    pixel_type: str = "auto"
-    nan: Literal["refuse", "zero"] = "refuse"
-    color_config: Path | None = None
-    color_space: str | None = None
-
-
-@dataclass(frozen=True)
-class Look:
-    """How the glare is mixed in.
-
-    Parameters
-    ----------
-    illuminant, mode : str
-        As in `aureole.jobs.GlareJob`.
-    threshold, knee, gain : float
-        As in `aureole.jobs.GlareJob`.
-    tint : tuple of float
-        As in `aureole.jobs.GlareJob`.
-    precision : str
-        As in `aureole.jobs.GlareJob`.
-    """
-
-    illuminant: str
-    mode: str
-    threshold: float
-    knee: float
-    gain: float
-    tint: tuple[float, float, float]
-    precision: str = "double"
+    how: FileFlags = field(default_factory=FileFlags)
 
 
 @dataclass(frozen=True)
@@ -93,7 +59,6 @@ def glare(
     files: GlareFiles,
     look: Look,
     kernel: Kernel,
-    memory: int | None,
     as_json: bool,
 ) -> None:
     """Read, spread, write and report.
@@ -108,20 +73,18 @@ def glare(
         How to mix.
     kernel : Kernel
         Its size, and what of it changes over the frame.
-    memory : int, optional
-        Bytes that may be used.
     as_json : bool
         Whether a machine reads the report.
     """
     start = time.perf_counter()
     written = output.places(files.out, files.psf, files.preview)
-    given = read(files, memory)
+    given = read(files)
     matte = None if files.matte is None else jobs.read_matte(files.matte, given)
     job = jobs.GlareJob(
         given,
         camera,
         matte=matte,
-        memory=memory,
+        memory=files.how.most(),
         **vars(kernel),
         **vars(look),
     )
@@ -134,28 +97,20 @@ def glare(
     output.report("glare", result.report, written, as_json, time.perf_counter() - start)
 
 
-def read(files: GlareFiles, memory: int | None) -> Picture:
+def read(files: GlareFiles) -> Picture:
     """Read the picture in, and say what is worth knowing about it.
 
     Parameters
     ----------
     files : GlareFiles
         Where it is, and how to read it.
-    memory : int, optional
-        Bytes that may be used.
 
     Returns
     -------
     Picture
         Linear.
     """
-    given = picture.read(
-        files.source,
-        nan=files.nan,
-        memory=memory,
-        color_config=files.color_config,
-        color_space=files.color_space,
-    )
+    given = picture.read(files.source, **files.how.reading())
     output.say_notes(picture.notes(given))
     return given
 
@@ -172,8 +127,7 @@ def write_picture(files: GlareFiles, path: Path, source: Picture) -> None:
     source : Picture
         Linear.
     """
-    pixel_type = output.pixel_type_for(path, files.pixel_type)
-    output.write(path, source, pixel_type, files.color_config, files.color_space)
+    output.write(path, source, **files.how.writing(path))
 
 
 def starburst(

@@ -13,8 +13,9 @@ import typer
 from aureole import jobs, picture, refuse
 from aureole.cli import output
 from aureole.cli.cluster_options import CrewFlags
+from aureole.cli.glare_options import Look
 from aureole.cli.moving import MovingFlags, given
-from aureole.cli.runs import GlareFiles, Kernel, Look
+from aureole.cli.runs import GlareFiles, Kernel
 from aureole.jobs import frame_files
 from aureole.jobs.sequence import Spreader, one_by_one
 
@@ -66,14 +67,11 @@ class Sequence:
         Log and video.
     moving : MovingFlags
         Which frames, and whether they are made anew.
-    memory : int, optional
-        Bytes that may be used.
     """
 
     files: GlareFiles
     flags: SequenceFlags
     moving: MovingFlags
-    memory: int | None = None
 
     def check(self) -> None:
         """Refuse flags of single pictures and of animations, and files that could not be written."""
@@ -99,7 +97,7 @@ class Sequence:
     @property
     def frame_memory(self) -> int | None:
         """Bytes that each frame may use: workers of this machine share what there is."""
-        return self.flags.crew().memory(self.memory)
+        return self.flags.crew().memory(self.files.how.most())
 
     def spread(self) -> Spreader:
         """Return who makes the frames, as `SequenceJob` takes it."""
@@ -109,15 +107,14 @@ class Sequence:
     def tasks(self, maker: jobs.FrameMaker, words: str) -> tuple[jobs.FrameTask, ...]:
         """Return the frames to make."""
         files = self.files
-        colours = {"color_config": files.color_config, "color_space": files.color_space}
         return jobs.sequence_tasks(
             files.source,
             files.out,
             self.moving.numbers(),
             maker,
             words,
-            {"nan": files.nan, "memory": self.frame_memory, **colours},
-            {"pixel_type": output.pixel_type_for(files.out, files.pixel_type), **colours},
+            {**files.how.reading(), "memory": self.frame_memory},
+            files.how.writing(files.out),
             self.moving.overwrite,
         )
 
