@@ -103,10 +103,31 @@ def test_people_are_told_in_tables(shot, capsys):
     assert "103, 36" in said
 
 
-def test_places_count_from_what_is_shown():
+def test_places_count_from_what_is_shown(tmp_path, capsys):
     """A picture with pixels beyond what it shows: its lights stand where a viewer sees them."""
-    lamps = [glare.Lamp((10.0, 5.0), 1.0, box=(8, 3, 12, 7))]
-    assert jobs.shown_lamps(frame_of(1), lamps) == lamps
+    pixels = np.full((40, 80, 3), 0.05, dtype=np.float32)
+    pixels[20:23, 30:33] = 40.0
+    pixels[2:4, 4:6] = 20.0
+    # The first pixel lies ten columns before the first that is shown, and five rows above it.
+    header = picture.Header(data_window=Window(-10, -5, 80, 40), display_window=Window(0, 0, 60, 30))
+    source = picture.with_header(Picture(pixels), header)
+    picture.write(tmp_path / "over.exr", source)
+    out, look = tmp_path / "a.jsonl", tmp_path / "look.png"
+    report = told(["lights", "find", tmp_path / "over.exr", "-o", out, "--preview", look, "--json"], capsys)
+    assert report["size"] == [60, 30]
+    assert report["brightest"][0]["place_pixels"] == pytest.approx([21.5, 16.5])
+    assert report["brightest"][1]["place_pixels"] == pytest.approx([-5, -2])
+    lamps = [seen.lamp for seen in glare.read_lamps(out).sightings]
+    assert lamps[0].box == (19, 14, 24, 19)
+    given = picture.read(tmp_path / "over.exr")
+    assert jobs.shown_lamps(given, jobs.placed_lamps(given, lamps)) == lamps
+    assert jobs.placed_lamps(given, lamps)[0].place == pytest.approx((31.5, 21.5))
+    # The ring is drawn round the lamp's own pixels.
+    drawn, plain = picture.encode_srgb(picture.read(look).pixels), picture.to_display(given)
+    changed = np.abs(drawn - plain).max(axis=2) > 0.1
+    rows, columns = np.nonzero(changed[:, 20:45])
+    assert (columns + 20).mean() == pytest.approx(31.5, abs=4)
+    assert rows.mean() == pytest.approx(21.5, abs=6)
 
 
 @pytest.mark.parametrize(
@@ -120,7 +141,7 @@ def test_places_count_from_what_is_shown():
         ),
         (["find", "{0}/shot.0001.exr", "-o", "{0}/a.jsonl", "--most", "0"], "'most' must be an integer >= 1"),
         (["track", "{0}/shot.exr", "--frames", "1-2", "-o", "{0}/a.jsonl"], "must have one run of #"),
-        (["track", "{0}/shot.####.exr", "--frames", "9-11", "-o", "{0}/a.jsonl"], "shot.0011.exr"),
+        (["track", "{0}/shot.####.exr", "--frames", "11-12", "-o", "{0}/a.jsonl"], "shot.0011.exr"),
         (["track", "{0}/shot.####.exr", "--frames", "2-1", "-o", "{0}/a.jsonl"], "'frames' must be frames"),
     ],
 )
@@ -129,7 +150,20 @@ def test_refusals(words, said, shot, capsys):
     assert not (shot / "a.jsonl").exists()
 
 
-def test_frames_must_be_alike(shot, capsys):
+def test_missing_and_broken_frames_are_told_and_the_others_followed(shot, capsys):
+    """The lights keep their numbers over the frames between."""
+    (shot / "shot.0003.exr").unlink()
+    (shot / "shot.0004.exr").write_bytes(b"half a pict")
     picture.write(shot / "shot.0011.exr", Picture(np.ones((60, 100, 3), dtype=np.float32)))
-    words = ["lights", "track", shot / "shot.####.exr", "--frames", "9-11", "-o", shot / "a.jsonl"]
-    assert "must have the size and colour space of" in refused(words, capsys)
+    words = ["lights", "track", shot / "shot.####.exr", "--frames", "1-11", "-o", shot / "a.jsonl"]
+    assert run([str(word) for word in [*words, "--preview", shot / "look.####.png", "--json"]]) == 1
+    said = capsys.readouterr()
+    assert "frame 3 is missing: " in said.err
+    assert "frame 4 is broken: " in said.err
+    assert "frame 11 is broken: a frame must have the size and colour space of the first" in said.err
+    assert json.loads(said.out)["lights"] == 2
+    found = glare.read_lamps(shot / "a.jsonl")
+    assert found.frames == (1, 2, 5, 6, 7, 8, 9, 10)
+    assert [[seen.id for seen in found.at(n)] for n in (1, 4, 5, 8)] == [[1, 2], [], [2], [1, 2]]
+    assert not (shot / "look.0003.png").exists()
+    assert (shot / "look.0005.png").exists()

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from aureole import Picture, Refusal, glare
-from aureole.glare.eye_field import _hats, direction_of
+from aureole.glare.composite import EYE_MODES
+from aureole.glare.eye_field import direction_of, node_shares
 
 RNG = np.random.default_rng(8)
 SHAPE = (41, 61)
@@ -56,14 +57,14 @@ def test_places_run_from_border_to_border_and_know_their_directions():
 
 @pytest.mark.parametrize("nodes", [(1, 1), (1, 3), (2, 2), (3, 4)])
 def test_shares_of_the_places_add_up_to_one(nodes):
-    shares = np.array(_hats(SHAPE, nodes))
+    shares = np.array(node_shares(SHAPE, nodes))
     np.testing.assert_allclose(shares.sum(axis=0), 1, rtol=1e-6)
     assert shares.min() >= 0
     for (place, _), share in zip(glare.field_places(SHAPE, FIELD, nodes), shares, strict=True):
         assert share[round(place[0]), round(place[1])] == pytest.approx(1)
 
 
-@pytest.mark.parametrize("mode", glare.MODES)
+@pytest.mark.parametrize("mode", EYE_MODES)
 def test_a_source_at_a_place_has_that_places_glare(mode):
     field = glare.eye_field(psf_at, SHAPE, FIELD, (3, 3), mode)
     for (row, column), direction in glare.field_places(SHAPE, FIELD, (3, 3)):

@@ -113,7 +113,7 @@ def test_files_come_back_as_they_were(tmp_path):
         Sighting(1001, 2, lamp(-3, 8, 2.5, colour=(1.5, 0.9, 0.1)), (3, 4)),
         Sighting(1002, 2, lamp(-2, 8, 2.5)),
     )
-    given = LampList(seen, (1080, 1920), "acescg", 12.5, (1001, 1002, 1003))
+    given = LampList(seen, (1080, 1920), "acescg", 12.5, (1001, 1002, 1003), 3)
     glare.write_lamps(tmp_path / "a.jsonl", given)
     assert glare.read_lamps(tmp_path / "a.jsonl") == given
     assert [one.id for one in given.at(1001)] == [1, 2]
@@ -125,7 +125,7 @@ def test_files_written_by_hand_need_places_only(tmp_path):
     path.write_text('{"x": 3, "y": 4}\n\n{"x": 5, "y": 6.5, "flux": 20, "frame": 7}\n', encoding="utf-8")
     found = glare.read_lamps(path)
     assert [(seen.frame, seen.id, seen.lamp.place, seen.lamp.flux) for seen in found.sightings] == [
-        (None, 1, (3.0, 4.0), 1.0),
+        (None, 1, (3.0, 4.0), 0.0),
         (7, 1, (5.0, 6.5), 20.0),
     ]
     assert found.shape is None
@@ -136,7 +136,7 @@ def test_files_written_by_hand_need_places_only(tmp_path):
     [
         ("{", "line 2: must be a JSON object"),
         ("[1, 2]", "line 2: must be a JSON object"),
-        ({"x": 3}, "line 2: y' must be a finite number"),
+        ({"x": 3}, "line 2: 'y' is missing"),
         ({"x": 3, "y": "a"}, "line 2: y' must be a finite number, got 'a'"),
         ({"x": 3, "y": 4, "flux": 0}, "line 2: flux' must be a finite number > 0, got 0"),
         ({"x": 3, "y": 4, "flxu": 1}, "line 2 has no 'flxu'. Did you mean 'flux'"),
@@ -159,7 +159,7 @@ def test_a_line_that_is_no_light_is_named(line, words, tmp_path):
     ("line", "words"),
     [
         ({"lamps": 2}, "reads lamps 1, got 2"),
-        ({"lamps": 1, "width": 20}, "line 1: height' must be an integer >= 1, got None"),
+        ({"lamps": 1, "width": 20}, "line 1: 'height' is missing"),
         ({"lamps": 1, "colour_space": "srgb"}, "line 1: colour_space' must be one of"),
         ({"lamps": 1, "thresh": 3}, "line 1 has no 'thresh'. Did you mean 'threshold'"),
     ],
@@ -185,3 +185,15 @@ def test_refusals(tmp_path):
     (tmp_path / "bytes.jsonl").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(refuse.Refusal, match="it is no text"):
         glare.read_lamps(tmp_path / "bytes.jsonl")
+
+
+def test_lights_of_a_proxy_stand_in_the_full_picture():
+    given = LampList((Sighting(1, 4, lamp(100.5, 50.25, 10.0)),), (540, 960), "rec709", 2.0, (1,))
+    (seen,) = given.scaled_to((1080, 1920)).sightings
+    assert seen.lamp.place == (201.0, 100.5)
+    assert seen.lamp.flux == 40.0
+    assert seen.lamp.size == 12.0
+    assert seen.lamp.box == (194, 94, 208, 108)
+    assert given.scaled_to((540, 960)) is given
+    with pytest.raises(refuse.Refusal, match="960 x 540 pixels, whose proportions 1920 x 1200"):
+        given.scaled_to((1200, 1920))

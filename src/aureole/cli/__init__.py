@@ -29,6 +29,7 @@ moving    flags of animations, and the files of their frames
 sequence_runs  running sequences of pictures: log, video, exit code
 job_commands  job files for every command; the command `aureole run`
 job_files  flags read from TOML and written to it
+lights_options  which lights of a picture, for several commands
 output    progress, reports, and files that appear whole
 views     previews, and mattes read from files
 """

@@ -9,9 +9,11 @@ import typer
 
 from aureole import refuse, units
 from aureole.cli import options
+from aureole.cli.lights_options import AUTO, threshold
 from aureole.cli.options import FILES
 from aureole.cli.pupil_options import numbers
-from aureole.jobs import Lamp
+from aureole.glare import LampList
+from aureole.jobs import Lamp, lights_of_frame
 
 LENS, LIGHTS, GHOSTS = "Lens", "Lights", "Ghosts"
 PIXELS = "px"
@@ -82,8 +84,8 @@ class LightFlags:
         Of them all.
     illuminant : str
         Where no colour is said.
-    find_lights, most_lights : optional
-        Those that a picture shows.
+    find_lights, lights, lights_frame, most_lights : optional
+        Those that a picture shows, or a file lists.
     """
 
     light: Annotated[
@@ -130,15 +132,35 @@ class LightFlags:
         ),
     ] = "E"
     find_lights: Annotated[
-        float | None,
+        str | None,
         typer.Option(
             "--find-lights",
-            help="Take the lights that --over shows: regions of more luminance than this.",
+            help="Take the lights that --over shows: regions of more luminance than this. auto: 16 times the "
+            "median pixel, but at least a thousandth of the brightest.",
+            rich_help_panel=LIGHTS,
+        ),
+    ] = None
+    lights: Annotated[
+        Path | None,
+        typer.Option(
+            "--lights",
+            help="Take the lights of a file that `aureole lights` wrote, or people: .jsonl.",
+            rich_help_panel=LIGHTS,
+        ),
+    ] = None
+    lights_frame: Annotated[
+        int | None,
+        typer.Option(
+            "--lights-frame",
+            help="Which frame's, where the file has lights of several.",
             rich_help_panel=LIGHTS,
         ),
     ] = None
     most_lights: Annotated[
-        int, typer.Option("--most-lights", help="Of those found, the brightest.", rich_help_panel=LIGHTS)
+        int,
+        typer.Option(
+            "--most-lights", help="Of those found or in the file, the brightest.", rich_help_panel=LIGHTS
+        ),
     ] = 8
 
     def values(self) -> dict[str, Any]:
@@ -148,9 +170,18 @@ class LightFlags:
             "lamps": self._lamps(),
             "light_size": refuse.between("light-size", size, 0.0, 1.0),
             "illuminant": self.illuminant,
-            "find": self.find_lights,
+            "find": self._find(),
+            "lights": self._listed(),
             "most_lights": refuse.at_least("most-lights", self.most_lights, 1),
         }
+
+    def _find(self) -> Any:
+        return None if self.find_lights is None else threshold(self.find_lights, "find-lights") or AUTO
+
+    def _listed(self) -> LampList | None:
+        if self.lights is None and self.lights_frame is not None:
+            raise refuse.Refusal("'lights-frame' needs the file of lights: --lights FILE.")
+        return None if self.lights is None else lights_of_frame(self.lights, self.lights_frame)
 
     def _lamps(self) -> tuple[Lamp, ...]:
         places = [place(text) for text in self.light or []]

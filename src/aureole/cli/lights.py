@@ -10,7 +10,10 @@ from rich.table import Table
 
 from aureole import glare, jobs, picture, refuse
 from aureole.cli import options, output
+from aureole.cli.lights_options import AUTO
+from aureole.cli.lights_options import threshold as chosen_threshold
 from aureole.cli.options import FILES
+from aureole.cli.sequence_runs import INCOMPLETE
 from aureole.jobs import frame_files as numbered
 
 app = typer.Typer(
@@ -20,7 +23,6 @@ app = typer.Typer(
 )
 
 LIGHTS, TRACKS = "Lights", "Tracks"
-AUTO = "auto"
 # What the columns of the report are called where a person reads them, who has eighty signs across.
 HEADINGS = {
     "place_pixels": "place",
@@ -84,13 +86,14 @@ def find(
     start = time.perf_counter()
     written = _places(out, preview)
     job = jobs.LightsJob(
-        ((None, source),), _threshold(threshold), most, connect, memory=options.memory(memory)
+        ((None, source),), chosen_threshold(threshold), most, connect, memory=options.memory(memory)
     )
     result = output.follow(jobs.run(job))
     glare.write_lamps(out, result.lamps)
     if preview is not None:
         given = picture.read(source, memory=job.memory)
-        output.write_display(preview, jobs.lights_drawing(given, result.lamps.sightings))
+        seen = result.lamps.sightings
+        output.write_display(preview, jobs.lights_drawing(given, seen, None, jobs.shown_corner(given)))
     _report("lights", result.report, "brightest", written, as_json, time.perf_counter() - start)
 
 
@@ -138,7 +141,8 @@ def track(
     """Follow the lights of a shot: each keeps its number from frame to frame.
 
     A light is looked for where it would stand if it moved on as before. One that passes behind something
-    keeps its number, and two whose images run together for a while part as the two that they were.
+    keeps its number, and two whose images run together for a while part as the two that they were. Frames
+    that are missing or broken are told at the end (exit code 1); the others are followed past them.
 
     Examples:
 
@@ -154,7 +158,7 @@ def track(
     output.places(*looks.values())
     job = jobs.LightsJob(
         tuple((number, numbered.frame(source, number)) for number in wanted),
-        _threshold(threshold),
+        chosen_threshold(threshold),
         most,
         connect,
         True,
@@ -166,8 +170,11 @@ def track(
     result = output.follow(jobs.run(job))
     glare.write_lamps(out, result.lamps)
     _write_looks(job, result.lamps, looks)
-    written += looks.values()
+    written += [looks[number] for number in result.lamps.frames if number in looks]
+    output.say_notes([f"frame {lost.number} is {lost.state}: {lost.reason}" for lost in result.failures])
     _report("lights", result.report, "tracks", written, as_json, time.perf_counter() - start)
+    if result.failures:
+        raise typer.Exit(INCOMPLETE)
 
 
 def _places(out: Path, preview: Path | None) -> list[Path]:
@@ -176,24 +183,15 @@ def _places(out: Path, preview: Path | None) -> list[Path]:
     return [picture.writable(out), *output.places(preview)]
 
 
-def _threshold(text: str) -> float | None:
-    if text == AUTO:
-        return None
-    try:
-        value = float(text)
-    except ValueError:
-        raise refuse.Refusal(f"'threshold' must be auto or a luminance such as 50, got '{text}'.") from None
-    return refuse.positive("threshold", value)
-
-
 def _write_looks(job: jobs.LightsJob, lamps: glare.LampList, looks: dict[int, Path]) -> None:
     trails: dict[int, list[tuple[float, float]]] = {}
     for number, path in job.pictures:
-        if number not in looks:
+        if number not in looks or number not in lamps.frames:
             continue
         seen = lamps.at(number)
         given = picture.read(path, memory=job.memory)
-        output.write_display(looks[number], jobs.lights_drawing(given, seen, trails))
+        drawn = jobs.lights_drawing(given, seen, trails, jobs.shown_corner(given))
+        output.write_display(looks[number], drawn)
         for sighting in seen:
             trails.setdefault(sighting.id, []).append(sighting.lamp.place)
 

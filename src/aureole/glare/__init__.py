@@ -13,6 +13,7 @@ composite   replace, scatter, add and bloom
 bloom       glare from box to box of a few pixels, for speed; how far it is from the full one
 sources     which light of a picture makes glare: the knee, the matte
 lamps       the lights that a picture shows: place, flux, colour, size
+lamp_matte  which light of a picture is that of its lamps
 tracks      the same through a shot, each with a number that stays
 lamp_files  both in a file, a line each
 
@@ -92,6 +93,7 @@ from aureole.glare.fresh_glare import FreshGlare
 from aureole.glare.glare_frames import pattern_field, pattern_shape
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
 from aureole.glare.lamp_files import LampList, read_lamps, write_lamps
+from aureole.glare.lamp_matte import lamp_matte, lit_about
 from aureole.glare.lamps import MOST_LAMPS, Lamp, find_lamps, lamp_threshold, luminances
 from aureole.glare.photosafe import FlashLimiter, flash_measures, flashes
 from aureole.glare.real_time import RealTimeGlare
@@ -173,10 +175,12 @@ __all__ = [
     "flipbook_error",
     "hemisphere_energy",
     "kernel_for",
+    "lamp_matte",
     "lamp_picture",
     "lamp_threshold",
     "lasting",
     "light_samples",
+    "lit_about",
     "load_flipbooks",
     "luminances",
     "lumps",

@@ -1,6 +1,7 @@
 """Lights in a file: a line for each light of each frame, which people and other programs can write, too.
 
-Each line is a JSON object. Only the place is needed; a light without a frame stands in every frame:
+Each line is a JSON object. Only the place is needed; a light without a frame stands in every frame, and one
+without a flux is as strong as the picture shows it:
 
     {"x": 812.4, "y": 301.7, "flux": 5200.0, "colour": [1.3, 0.93, 0.71], "size": 6.2}
     {"frame": 1001, "id": 3, "x": 812.4, "y": 301.7, "flux": 5200.0, "box": [808, 297, 817, 306]}
@@ -13,7 +14,8 @@ A first line may say what holds for all:
 import json
 import math
 import os
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +25,9 @@ from aureole.glare.tracks import Sighting
 
 VERSION = 1
 FARTHEST = 10**6
-HEADER = {"lamps", "width", "height", "colour_space", "threshold", "frames"}
+HEADER = {"lamps", "width", "height", "colour_space", "threshold", "connect", "frames"}
+# How far a picture may be from the proportions of the one that lights were found in, in its own pixels.
+PROPORTIONS = 1.0
 KEYS = {"frame", "id", "x", "y", "flux", "colour", "size", "box", "peak", "merged"}
 
 
@@ -43,6 +47,8 @@ class LampList:
         Luminance that a pixel of a light has.
     frames : tuple of int
         Those that were looked at, with lights or without; none where the file does not say.
+    connect : int
+        As in `find_lamps`.
     """
 
     sightings: tuple[Sighting, ...]
@@ -50,10 +56,42 @@ class LampList:
     colour_space: str = "rec709"
     threshold: float | None = None
     frames: tuple[int, ...] = ()
+    connect: int = 1
 
-    def at(self, frame: int) -> list[Sighting]:
+    def at(self, frame: int | None) -> list[Sighting]:
         """Return the lights of a frame, those that stand in every one among them."""
         return [sighting for sighting in self.sightings if sighting.frame in (None, frame)]
+
+    def scaled_to(self, shape: tuple[int, int]) -> "LampList":
+        """Return the same lights on pictures of another size, such as the full size after a proxy.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            (rows, columns).
+
+        Returns
+        -------
+        LampList
+            Places, sizes and boxes in its pixels; the flux grows with their number.
+
+        Raises
+        ------
+        refuse.Refusal
+            Where the proportions differ.
+        """
+        if self.shape in (None, shape):
+            return self
+        assert self.shape is not None
+        (rows, columns), (old_rows, old_columns) = shape, self.shape
+        factor = columns / old_columns
+        if abs(old_rows * factor - rows) > PROPORTIONS * max(factor, 1.0):
+            raise refuse.Refusal(
+                f"the lights are of pictures of {old_columns} x {old_rows} pixels, "
+                f"whose proportions {columns} x {rows} pixels have not."
+            )
+        moved = [replace(seen, lamp=_scaled(seen.lamp, factor)) for seen in self.sightings]
+        return replace(self, sightings=tuple(moved), shape=shape)
 
 
 def write_lamps(path: str | os.PathLike[str], lamps: LampList) -> None:
@@ -76,6 +114,8 @@ def write_lamps(path: str | os.PathLike[str], lamps: LampList) -> None:
         first |= {"width": lamps.shape[1], "height": lamps.shape[0]}
     if lamps.threshold is not None:
         first["threshold"] = lamps.threshold
+    if lamps.connect > 1:
+        first["connect"] = lamps.connect
     if lamps.frames:
         first["frames"] = list(lamps.frames)
     lines = [first, *(_line(sighting) for sighting in lamps.sightings)]
@@ -94,7 +134,7 @@ def read_lamps(path: str | os.PathLike[str]) -> LampList:
     Returns
     -------
     LampList
-        Lights without a number get theirs by their order in the frame.
+        Lights without a number get theirs by their order in the frame; the flux is 0 where none is said.
 
     Raises
     ------
@@ -124,7 +164,8 @@ def read_lamps(path: str | os.PathLike[str]) -> LampList:
 def _line(sighting: Sighting) -> dict[str, Any]:
     lamp = sighting.lamp
     line: dict[str, Any] = {} if sighting.frame is None else {"frame": sighting.frame}
-    line |= {"id": sighting.id, "x": lamp.place[0], "y": lamp.place[1], "flux": lamp.flux}
+    line |= {"id": sighting.id, "x": lamp.place[0], "y": lamp.place[1]}
+    line |= {"flux": lamp.flux} if lamp.flux > 0 else {}
     line |= {"colour": list(lamp.colour), "size": lamp.size, "box": list(lamp.box), "peak": lamp.peak}
     return line | ({"merged": list(sighting.merged)} if sighting.merged else {})
 
@@ -145,12 +186,16 @@ def _header(where: str, values: dict[str, Any]) -> dict[str, Any]:
         raise refuse.Refusal(f"{where}: this version reads lamps {VERSION}, got {values['lamps']}.")
     header: dict[str, Any] = {}
     if "width" in values or "height" in values:
-        header["shape"] = tuple(_whole(where, name, values.get(name), 1) for name in ("height", "width"))
+        header["shape"] = tuple(
+            _whole(where, name, _given(where, name, values), 1) for name in ("height", "width")
+        )
     if "colour_space" in values:
         space = str(values["colour_space"])
         header["colour_space"] = refuse.one_of(f"{where}: colour_space", space, light.SPACES)
     if "threshold" in values:
         header["threshold"] = refuse.positive(f"{where}: threshold", values["threshold"])
+    if "connect" in values:
+        header["connect"] = _whole(where, "connect", values["connect"], 1)
     if "frames" in values:
         header["frames"] = tuple(_numbers(where, "frames", values["frames"], None, whole=True))
     return header
@@ -158,13 +203,13 @@ def _header(where: str, values: dict[str, Any]) -> dict[str, Any]:
 
 def _sighting(where: str, values: dict[str, Any], frame: int | None, order: int) -> Sighting:
     _known(where, values, KEYS)
-    place = [refuse.finite(f"{where}: {name}", values.get(name, math.nan)) for name in ("x", "y")]
+    place = [refuse.finite(f"{where}: {name}", _given(where, name, values)) for name in ("x", "y")]
     colour = _numbers(where, "colour", values.get("colour", [1.0, 1.0, 1.0]), 3)
     box = _numbers(where, "box", values.get("box", [0, 0, 0, 0]), 4, whole=True)
     size = refuse.between(f"{where}: size", values.get("size", 0.0), 0.0, 1e6)
     lamp = Lamp(
         (place[0], place[1]),
-        refuse.positive(f"{where}: flux", values.get("flux", 1.0)),
+        refuse.positive(f"{where}: flux", values["flux"]) if "flux" in values else 0.0,
         (colour[0], colour[1], colour[2]),
         size,
         (int(box[0]), int(box[1]), int(box[2]), int(box[3])),
@@ -174,7 +219,29 @@ def _sighting(where: str, values: dict[str, Any], frame: int | None, order: int)
     return Sighting(frame, _whole(where, "id", values.get("id", order), 1), lamp, merged)
 
 
-def _known(where: str, values: dict[str, Any], known: set[str]) -> None:
+def _scaled(lamp: Lamp, factor: float) -> Lamp:
+    left, top, right, bottom = lamp.box
+    return replace(
+        lamp,
+        place=(lamp.place[0] * factor, lamp.place[1] * factor),
+        flux=lamp.flux * factor**2,
+        size=lamp.size * factor,
+        box=(
+            math.floor(left * factor),
+            math.floor(top * factor),
+            math.ceil(right * factor),
+            math.ceil(bottom * factor),
+        ),
+    )
+
+
+def _given(where: str, name: str, values: dict[str, Any]) -> Any:
+    if name not in values:
+        raise refuse.Refusal(f"{where}: '{name}' is missing.")
+    return values[name]
+
+
+def _known(where: str, values: dict[str, Any], known: Collection[str]) -> None:
     for key in values:
         if key not in known:
             raise refuse.unknown_key(where, key, known)

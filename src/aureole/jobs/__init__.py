@@ -13,6 +13,7 @@ near_texture    a ringing texture for the ghosts of a lens
 flare           the ghosts of a lens and the starbursts, for given lights, on black or over a picture
 flare_lights    its lights as people give them, measured or found in the picture
 lights          the lights that pictures show, found in one or followed through a shot
+glare_lights    which lights of a picture make glare: all that are bright, or those of a file
 lights_preview  a picture with its lights marked
 flare_starburst its starbursts, where each light stands
 eye             what a point of light looks like to an eye, at a time or through time
@@ -67,11 +68,21 @@ from aureole.jobs.frames import (
 )
 from aureole.jobs.glare import GlareJob, GlareResult, read_matte
 from aureole.jobs.glare_field import GlareField
+from aureole.jobs.glare_lights import GlareLights, lights_of_frame
 from aureole.jobs.glare_sequence import GlareMaker
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
 from aureole.jobs.lens_ghosts import lens_ghosts
-from aureole.jobs.lights import LightsJob, LightsResult, shown_lamps, shown_shape
+from aureole.jobs.lights import (
+    LightsJob,
+    LightsResult,
+    LostFrame,
+    placed_lamps,
+    shot_threshold,
+    shown_corner,
+    shown_lamps,
+    shown_shape,
+)
 from aureole.jobs.lights_preview import lights_drawing
 from aureole.jobs.measures import PupilMeasures, pupil_measures
 from aureole.jobs.near_field import NearFieldJob, NearFieldResult
@@ -140,11 +151,13 @@ __all__ = [
     "Frames",
     "GlareField",
     "GlareJob",
+    "GlareLights",
     "GlareMaker",
     "GlareResult",
     "Lamp",
     "LightsJob",
     "LightsResult",
+    "LostFrame",
     "NearFieldJob",
     "NearFieldResult",
     "NearFrame",
@@ -186,8 +199,10 @@ __all__ = [
     "lens_list",
     "lens_report",
     "lights_drawing",
+    "lights_of_frame",
     "named_table_stages",
     "order_rows",
+    "placed_lamps",
     "pupil_measures",
     "read_matte",
     "read_pixels",
@@ -196,6 +211,8 @@ __all__ = [
     "run",
     "run_frame",
     "sequence_tasks",
+    "shot_threshold",
+    "shown_corner",
     "shown_lamps",
     "shown_shape",
     "spread_over",

@@ -9,19 +9,20 @@ import dataclasses
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aureole import aperture as apertures
-from aureole import diffraction, flare, light, picture, refuse
+from aureole import diffraction, flare, glare, light, picture, refuse
 from aureole.flare import filters, paraxial
 from aureole.flare.ghost_paths import GhostPath
 from aureole.flare.lights import white_of
 from aureole.flare.prescription import Lens
-from aureole.jobs.flare_lights import MOST_LIGHTS, Lamp, Scene, found_lights, light_of
+from aureole.jobs.flare_lights import MOST_LIGHTS, Lamp, Scene, found_lights, lamps_of_file, light_of
 from aureole.jobs.flare_starburst import starburst_stages, working_f_number
+from aureole.jobs.lights import shown_shape
 from aureole.jobs.optics import Opening
 from aureole.light.spaces import WHITE_KEY
 from aureole.picture import Layers, Window
@@ -50,10 +51,12 @@ class FlareJob:
         Linear; the flare is added to it, and it spans the sensor's width.
     shape : tuple of int, optional
         (rows, columns); those of the picture, or 1080 by 1920.
-    find : float, optional
-        Look for lights in the picture: pixels of more luminance belong to them.
+    find : float or str, optional
+        Look for lights in the picture: pixels of more luminance belong to them; "auto" finds the luminance.
+    lights : LampList, optional
+        Lights of one frame, as a file has them; in pixels of the picture or of one of its proportions.
     most_lights : int
-        Of those found.
+        Of those found or listed, the strongest.
     illuminant : str
         Spectrum of lights whose colour nothing says.
     light_size : float
@@ -96,7 +99,8 @@ class FlareJob:
     lamps: tuple[Lamp, ...] = ()
     over: Picture | None = None
     shape: tuple[int, int] | None = None
-    find: float | None = None
+    find: float | Literal["auto"] | None = None
+    lights: glare.LampList | None = None
     most_lights: int = MOST_LIGHTS
     illuminant: str = "E"
     light_size: float = 0.0
@@ -200,7 +204,7 @@ def run_flare(job: FlareJob) -> Iterator[Stage]:
             layers.add("starburst", burst.pixels)
     whole = _with_attributes(_added(job, ghosts, burst), job, ranked)
     report = _report(job, setup, ranked)
-    notes = () if ghosts.pixels.any() else ("no ghost falls on the picture",)
+    notes = _notes(job, ghosts)
     yield Stage(1.0, "flare", FlareResult(whole, ghosts, burst, layers, job.over, notes, report))
 
 
@@ -234,9 +238,9 @@ def _set_up(job: FlareJob) -> _Setup:
     over = None if job.over is None else Picture(job.over.pixels, space, job.over.metadata)
     corner = window.y, window.x
     scene = Scene(lens, shape, shown, corner, over, light.illuminant(job.illuminant), job.light_size)
-    lights = [light_of(lamp, scene) for lamp in job.lamps]
+    lights = [light_of(lamp, scene) for lamp in (*job.lamps, *_listed(job, scene))]
     if job.find is not None:
-        lights += found_lights(scene, job.find, job.most_lights)
+        lights += found_lights(scene, None if job.find == "auto" else job.find, job.most_lights)
     if not lights:
         raise refuse.Refusal("'light' is missing: say where one stands, such as --light 8deg,3deg.")
     paths = flare.chosen(lens, job.ghosts, lights, job.f_number)
@@ -246,6 +250,15 @@ def _set_up(job: FlareJob) -> _Setup:
     if not paths:
         raise refuse.Refusal("no ghost is left to be drawn; see --ghosts, --only and --hide.")
     return _Setup(scene, window, space, _white(lights), tuple(lights), tuple(paths), _iris(job, lens))
+
+
+def _listed(job: FlareJob, scene: Scene) -> list[Lamp]:
+    """Return the strongest lights of a list."""
+    if job.lights is None:
+        return []
+    shape = job.shape or SHAPE if job.over is None else shown_shape(job.over)
+    space = scene.over.colour_space if scene.over is not None else job.colour_space
+    return lamps_of_file(job.lights.scaled_to(shape), space)[: job.most_lights]
 
 
 def _frame(job: FlareJob) -> tuple[Lens, tuple[int, int], Window, tuple[int, int]]:
@@ -413,6 +426,14 @@ def _with_attributes(whole: Picture, job: FlareJob, ranked: tuple[GhostPath, ...
     if job.f_number is not None:
         said["f_number"] = float(job.f_number)
     return picture.with_attributes(whole, picture.attributes_of(said))
+
+
+def _notes(job: FlareJob, ghosts: Picture) -> tuple[str, ...]:
+    notes = [] if ghosts.pixels.any() else ["no ghost falls on the picture"]
+    listed = 0 if job.lights is None else len(job.lights.sightings)
+    if listed > job.most_lights:
+        notes.append(f"of {listed} lights the {job.most_lights} strongest are taken; see --most-lights")
+    return tuple(notes)
 
 
 def _report(job: FlareJob, setup: _Setup, ranked: tuple[GhostPath, ...]) -> dict[str, Any]:

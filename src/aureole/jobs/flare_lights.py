@@ -9,15 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aureole import flare, light, picture, refuse
+from aureole import flare, glare, light, refuse
 from aureole.flare.prescription import Lens
-from aureole.glare import luminances
+from aureole.glare import LampList, lamp_threshold, lit_about, luminances
 from aureole.records import Light, Picture, Spectrum
 
-# Of the picture's width: how far from its place a light's brightest pixel may lie.
-SEARCH = 0.02
-# Of the brightest pixel: what still belongs to the light.
-EDGE = 0.1
 MOST_LIGHTS = 8
 
 
@@ -36,12 +32,15 @@ class Lamp:
         Linear red, green and blue; that of the picture at its place, else of the illuminant.
     strength : float, optional
         What its image sums to, in luminance; that of the picture at its place, else 1.
+    diameter : float, optional
+        Pixels across, where that is known of this light alone.
     """
 
     place: tuple[float, float]
     on_picture: bool = False
     colour: tuple[float, float, float] | None = None
     strength: float | None = None
+    diameter: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,18 +108,38 @@ def light_of(lamp: Lamp, scene: Scene) -> Light:
     if strength is None:
         strength = 1.0 if seen is None else _luminance(seen, scene)
     spectrum = scene.illuminant if colour is None else _spectrum(colour, scene)
-    return Light(point.direction, spectrum, refuse.positive("strength", strength), scene.size)
+    size = scene.size if lamp.diameter is None else _angle(lamp.diameter, scene)
+    return Light(point.direction, spectrum, refuse.positive("strength", strength), size)
 
 
-def found_lights(scene: Scene, threshold: float, most: int = MOST_LIGHTS) -> list[Light]:
+def lamps_of_file(found: LampList, space: str) -> list[Lamp]:
+    """Return lights of a file as lights of a flare.
+
+    Parameters
+    ----------
+    found : LampList
+        Of one frame, in pixels of what the picture is meant to show.
+    space : str
+        Colour space in which their colours are wanted.
+
+    Returns
+    -------
+    list of Lamp
+        The strongest first; of one that does not say its flux the picture says it, and its colour.
+    """
+    lamps = sorted((seen.lamp for seen in found.sightings), key=lambda lamp: -lamp.flux)
+    return [_lamp_of_file(lamp, found.colour_space, space) for lamp in lamps]
+
+
+def found_lights(scene: Scene, threshold: float | None, most: int = MOST_LIGHTS) -> list[Light]:
     """Return the lights that the picture shows.
 
     Parameters
     ----------
     scene : Scene
         With a picture.
-    threshold : float
-        Luminance of a pixel that belongs to a light.
+    threshold : float, optional
+        Luminance of a pixel that belongs to a light; that of `glare.lamp_threshold` without it.
     most : int
         So many of the brightest.
 
@@ -141,6 +160,10 @@ def found_lights(scene: Scene, threshold: float, most: int = MOST_LIGHTS) -> lis
     whole = np.zeros((rows, columns, 3), np.float32)
     whole[top : top + height, left : left + width] = scene.over.pixels[..., :3]
     seen = Picture(whole, scene.over.colour_space)
+    if threshold is None:
+        threshold = lamp_threshold(scene.over)
+    if threshold == 0:
+        raise refuse.Refusal("'find-lights' finds nothing: the picture is black.")
     found = flare.find_lights(seen, scene.lens, refuse.positive("find-lights", threshold), most)
     if not found:
         brightest = float(luminances(seen).max())
@@ -180,18 +203,25 @@ def measured(scene: Scene, point: Light) -> tuple[float, float, float]:
             f"the light at {x:.0f},{y:.0f} pixels is off the picture, which cannot say how strong it is; "
             "give --strength."
         )
-    luminance = luminances(scene.over)
-    reach = max(math.ceil(SEARCH * columns), 2)
-    top, left = max(int(y) - reach, 0), max(int(x) - reach, 0)
-    near = luminance[top : int(y) + reach + 1, left : int(x) + reach + 1]
-    brightest = np.unravel_index(np.argmax(near), near.shape)
-    peak = float(near[brightest])
-    if peak <= 0:
+    lit, brightest = lit_about(luminances(scene.over), (x, y))
+    if brightest <= 0:
         raise refuse.Refusal(f"the picture is black at {x:.0f},{y:.0f} pixels; give --strength.")
-    regions = picture.bright_labels(luminance, EDGE * peak)
-    lit = regions == regions[top + brightest[0], left + brightest[1]]
     red, green, blue = np.maximum(scene.over.pixels[..., :3][lit].sum(axis=0, dtype=np.float64), 0.0)
     return float(red), float(green), float(blue)
+
+
+def _lamp_of_file(lamp: glare.Lamp, space: str, wanted: str) -> Lamp:
+    if lamp.flux == 0:
+        return Lamp(lamp.place, True)
+    colour = light.from_xyz(light.to_xyz(np.asarray(lamp.colour), space), wanted)
+    red, green, blue = np.maximum(colour, 0.0)
+    return Lamp(lamp.place, True, (float(red), float(green), float(blue)), lamp.flux, lamp.size)
+
+
+def _angle(diameter: float, scene: Scene) -> float:
+    """Return the angle across a light of some pixels, at the picture's centre."""
+    scale = min(flare.pixels_per_tangent(scene.lens, scene.shape))
+    return 2.0 * math.atan(0.5 * diameter / scale)
 
 
 def _luminance(colour: tuple[float, float, float], scene: Scene) -> float:

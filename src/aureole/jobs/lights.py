@@ -2,13 +2,14 @@
 
 import dataclasses
 import statistics
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 from aureole import glare, picture, refuse
 from aureole.glare import Lamp, LampList, LampTracker, Sighting
+from aureole.jobs.glare import in_working_space
 from aureole.records import Picture, Stage
 
 # A threshold for a whole shot is the middle of those of so many frames, evenly through it.
@@ -58,6 +59,28 @@ class LightsJob:
     nan: Literal["refuse", "zero"] = "refuse"
 
 
+@dataclass(frozen=True)
+class LostFrame:
+    """A frame of a shot that could not be looked at.
+
+    Parameters
+    ----------
+    number : int
+        The frame's.
+    path : Path
+        Its file.
+    state : str
+        "missing" or "broken".
+    reason : str
+        One line.
+    """
+
+    number: int
+    path: Path
+    state: str
+    reason: str
+
+
 @dataclass(frozen=True, eq=False)
 class LightsResult:
     """Lights that were found.
@@ -68,10 +91,13 @@ class LightsResult:
         Their places count from the upper left corner of what the pictures are meant to show.
     report : dict
         Plain numbers.
+    failures : tuple of LostFrame
+        Frames that could not be looked at.
     """
 
     lamps: LampList
     report: dict[str, Any]
+    failures: tuple[LostFrame, ...] = ()
 
 
 def run_lights(job: LightsJob) -> Iterator[Stage]:
@@ -89,28 +115,71 @@ def run_lights(job: LightsJob) -> Iterator[Stage]:
     """
     _check(job)
     yield Stage(0.0, "the threshold")
-    first = _read(job, job.pictures[0][1])
-    shape = shown_shape(first)
-    threshold = _threshold(job, first) if job.threshold is None else job.threshold
-    reach = max(REACH * shape[1], 2.0) if job.reach is None else job.reach
-    tracker = LampTracker(reach, job.patience)
-    sightings: list[Sighting] = []
+    reading: dict[str, Any] = {"nan": job.nan, "memory": job.memory}
+    threshold = job.threshold
+    if threshold is None:
+        threshold = shot_threshold([path for _, path in job.pictures], reading)
+    shot = _Shot(job, threshold)
     for index, (number, path) in enumerate(job.pictures):
         label = path.name if number is None else f"frame {number}"
         yield Stage(0.05 + 0.95 * index / len(job.pictures), label)
-        source = first if index == 0 else _read(job, path)
-        if shown_shape(source) != shape or source.colour_space != first.colour_space:
-            raise refuse.Refusal(f"'{path}' must have the size and colour space of '{job.pictures[0][1]}'.")
-        lamps = shown_lamps(source, glare.find_lamps(source, threshold, job.most, job.connect))
+        try:
+            shot.take(number, picture.read(path, **reading))
+        except refuse.Refusal as refusal:
+            if number is None:
+                raise
+            state = "broken" if path.exists() else "missing"
+            shot.failures.append(LostFrame(number, path, state, str(refusal)))
+    yield Stage(1.0, "lights", shot.result())
+
+
+class _Shot:
+    """The lights of a shot, as far as it has been looked at."""
+
+    def __init__(self, job: LightsJob, threshold: float) -> None:
+        self.job, self.threshold = job, threshold
+        self.failures: list[LostFrame] = []
+        self._shape: tuple[int, int] | None = None
+        self._space = ""
+        self._frames: list[int] = []
+        self._sightings: list[Sighting] = []
+        self._tracker: LampTracker | None = None
+
+    def take(self, number: int | None, source: Picture) -> None:
+        """Find a frame's lights, and follow them."""
+        job, (known, space), shape = self.job, in_working_space(source), shown_shape(source)
+        if self._shape is None:
+            self._shape, self._space = shape, space
+            reach = max(REACH * shape[1], 2.0) if job.reach is None else job.reach
+            self._tracker = LampTracker(reach, job.patience)
+        if shape != self._shape or space != self._space:
+            raise refuse.Refusal(
+                "a frame must have the size and colour space of the first, "
+                f"{_said(self._shape, self._space)}, got {_said(shape, space)}."
+            )
+        lamps = shown_lamps(source, glare.find_lamps(known, self.threshold, job.most, job.connect))
+        if number is not None:
+            self._frames.append(number)
         if job.follow and number is not None:
-            sightings += tracker.follow(number, lamps)
+            assert self._tracker is not None
+            self._sightings += self._tracker.follow(number, lamps)
         else:
-            sightings += [Sighting(number, k, lamp) for k, lamp in enumerate(lamps, 1)]
-    if job.follow:
-        sightings = glare.lasting(sightings, job.least)
-    frames = tuple(number for number, _ in job.pictures if number is not None)
-    found = LampList(tuple(sightings), shape, first.colour_space, threshold, frames)
-    yield Stage(1.0, "lights", LightsResult(found, _report(job, found)))
+            self._sightings += [Sighting(number, k, lamp) for k, lamp in enumerate(lamps, 1)]
+
+    def result(self) -> LightsResult:
+        """Return what was found."""
+        if self._shape is None:
+            raise refuse.Refusal(f"none of the frames can be read; {self.failures[0].reason}")
+        seen = self._sightings
+        kept = glare.lasting(seen, self.job.least) if self.job.follow else seen
+        found = LampList(
+            tuple(kept), self._shape, self._space, self.threshold, tuple(self._frames), self.job.connect
+        )
+        return LightsResult(found, _report(self.job, found), tuple(self.failures))
+
+
+def _said(shape: tuple[int, int], space: str) -> str:
+    return f"{shape[1]} x {shape[0]} in {space}"
 
 
 def shown_lamps(source: Picture, lamps: list[Lamp]) -> list[Lamp]:
@@ -128,17 +197,26 @@ def shown_lamps(source: Picture, lamps: list[Lamp]) -> list[Lamp]:
     list of Lamp
         The same lights.
     """
-    left, top = _corner(source)
-    if (left, top) == (0, 0):
-        return lamps
-    return [
-        dataclasses.replace(
-            lamp,
-            place=(lamp.place[0] + left, lamp.place[1] + top),
-            box=(lamp.box[0] + left, lamp.box[1] + top, lamp.box[2] + left, lamp.box[3] + top),
-        )
-        for lamp in lamps
-    ]
+    return _shifted(lamps, *shown_corner(source))
+
+
+def placed_lamps(source: Picture, lamps: list[Lamp]) -> list[Lamp]:
+    """Return lights by their places on a picture's pixels: the inverse of `shown_lamps`.
+
+    Parameters
+    ----------
+    source : Picture
+        As it was read.
+    lamps : list of Lamp
+        By their places on what it is meant to show.
+
+    Returns
+    -------
+    list of Lamp
+        The same lights.
+    """
+    left, top = shown_corner(source)
+    return _shifted(lamps, -left, -top)
 
 
 def shown_shape(source: Picture) -> tuple[int, int]:
@@ -159,13 +237,71 @@ def shown_shape(source: Picture) -> tuple[int, int]:
     return (rows, columns) if header is None else (header.display_window.height, header.display_window.width)
 
 
-def _corner(source: Picture) -> tuple[int, int]:
-    """Return the column and row, of what is shown, of a picture's first pixel."""
+def shown_corner(source: Picture) -> tuple[int, int]:
+    """Return where, on what a picture is meant to show, its first pixel lies.
+
+    Parameters
+    ----------
+    source : Picture
+        As it was read.
+
+    Returns
+    -------
+    tuple of int
+        Column and row; below 0 where it has pixels beyond.
+    """
     header = picture.header_of(source)
     if header is None:
         return 0, 0
     data, shown = header.data_window, header.display_window
     return data.x - shown.x, data.y - shown.y
+
+
+def shot_threshold(pictures: Sequence[Path], reading: Mapping[str, Any] | None = None) -> float:
+    """Return one threshold for all frames of a shot, so that no light comes and goes with it.
+
+    Parameters
+    ----------
+    pictures : sequence of Path
+        The frames' files; those that cannot be read say nothing.
+    reading : mapping, optional
+        Options of `aureole.picture.read`.
+
+    Returns
+    -------
+    float
+        The middle of those of up to eight frames, evenly through the shot.
+    """
+    count = min(len(pictures), PROBES)
+    chosen = {round(k * (len(pictures) - 1) / max(count - 1, 1)) for k in range(count)}
+    levels = []
+    for index in sorted(chosen):
+        try:
+            source = picture.read(pictures[index], **(reading or {}))
+        except refuse.Refusal:
+            continue
+        levels.append(glare.lamp_threshold(in_working_space(source)[0]))
+    # Black frames say nothing about the others.
+    return statistics.median([level for level in levels if level > 0] or [1.0])
+
+
+def _shifted(lamps: list[Lamp], x: int, y: int) -> list[Lamp]:
+    if (x, y) == (0, 0):
+        return lamps
+    return [
+        dataclasses.replace(
+            lamp,
+            place=(lamp.place[0] + x, lamp.place[1] + y),
+            box=_box(lamp, x, y),
+        )
+        for lamp in lamps
+    ]
+
+
+def _box(lamp: Lamp, x: int, y: int) -> tuple[int, int, int, int]:
+    """Move a light's box; one that has none keeps none."""
+    left, top, right, bottom = lamp.box
+    return (left + x, top + y, right + x, bottom + y) if right > left else lamp.box
 
 
 def _check(job: LightsJob) -> None:
@@ -182,22 +318,6 @@ def _check(job: LightsJob) -> None:
         ("least", job.least, 1),
     ):
         refuse.at_least(name, value, smallest)
-
-
-def _read(job: LightsJob, path: Path) -> Picture:
-    return picture.read(path, nan=job.nan, memory=job.memory)
-
-
-def _threshold(job: LightsJob, first: Picture) -> float:
-    """Return one threshold for all frames, so that no light comes and goes with it."""
-    count = min(len(job.pictures), PROBES)
-    chosen = {round(k * (len(job.pictures) - 1) / max(count - 1, 1)) for k in range(count)}
-    levels = [
-        glare.lamp_threshold(first if index == 0 else _read(job, job.pictures[index][1]))
-        for index in sorted(chosen)
-    ]
-    # Black frames say nothing about the others.
-    return statistics.median([level for level in levels if level > 0] or [1.0])
 
 
 def _report(job: LightsJob, found: LampList) -> dict[str, Any]:
