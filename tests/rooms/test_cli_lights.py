@@ -1,6 +1,7 @@
 """`aureole lights`: find and track, as a person types them."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -109,9 +110,10 @@ def test_places_count_from_what_is_shown(tmp_path, capsys):
     pixels[20:23, 30:33] = 40.0
     pixels[2:4, 4:6] = 20.0
     # The first pixel lies ten columns before the first that is shown, and five rows above it.
-    header = picture.Header(data_window=Window(-10, -5, 80, 40), display_window=Window(0, 0, 60, 30))
-    source = picture.with_header(Picture(pixels), header)
-    picture.write(tmp_path / "over.exr", source)
+    picture.write(tmp_path / "plain.exr", Picture(pixels[:30, :60]))
+    header = picture.header_of(picture.read(tmp_path / "plain.exr"))
+    header = replace(header, data_window=picture.Window(-10, -5, 80, 40))
+    picture.write(tmp_path / "over.exr", Picture(pixels, metadata={"header": header}))
     out, look = tmp_path / "a.jsonl", tmp_path / "look.png"
     report = told(["lights", "find", tmp_path / "over.exr", "-o", out, "--preview", look, "--json"], capsys)
     assert report["size"] == [60, 30]

@@ -96,11 +96,10 @@ class Over:
     def job(self, source: Picture) -> jobs.EyeGlareJob:
         """Return the job for a picture."""
         look = {name: value for name, value in vars(self.look).items() if name != "illuminant"}
-        matte = None if self.files.matte is None else jobs.read_matte(self.files.matte, source)
         return jobs.EyeGlareJob(
             source,
             self.eye,
-            matte=matte,
+            matte=self.files.sources(source),
             resolution="half" if self.flags.half else "full",
             patterns=1 if self.flags.patterns is None else self.flags.patterns,
             stamps=refuse.at_least("stamps", self.flags.stamps, 0),

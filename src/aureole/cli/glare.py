@@ -8,6 +8,7 @@ from aureole.cli import eye_runs, options, runs, sequence_runs
 from aureole.cli.eye_options import AnimationFlags, EyeFlags, OverFlags
 from aureole.cli.field_options import FieldFlags
 from aureole.cli.glare_options import FileFlags, Look, LookFlags
+from aureole.cli.lights_options import GlareLightFlags
 from aureole.cli.moving import MovingFlags, given
 from aureole.cli.options import ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, with_flags
@@ -26,6 +27,7 @@ SHARED = ("seed", "defocus", "zernike")
 @with_flags("across", FieldFlags)
 @with_flags("mixing", LookFlags)
 @with_flags("how", FileFlags)
+@with_flags("lit", GlareLightFlags)
 def glare(
     source: options.Source,
     out: options.Out,
@@ -37,6 +39,7 @@ def glare(
     across: FieldFlags,
     mixing: LookFlags,
     how: FileFlags,
+    lit: GlareLightFlags,
     focal_length: options.FocalLength = None,
     f_number: options.FNumber = None,
     preset: options.Preset = None,
@@ -72,6 +75,8 @@ def glare(
 
         aureole glare night.exr -o out.exr --mode add --threshold 2 --gain 3 --tint 1,0.9,0.8
 
+        aureole glare night.exr -o out.exr --lights auto
+
         aureole glare night.exr -o out.exr --dust 10% --dust-scale 0.3mm --scratches 20 --seed 7
 
         aureole glare night.exr -o out.exr --f-number 2.8 --lens zeiss_biotar_50mm --field 5x3
@@ -87,7 +92,7 @@ def glare(
     shape = ShapeFlags(
         aperture, blades, curvature, rotation, obstruction, width, height, aperture_picture, pupil
     )
-    files = runs.GlareFiles(source, out, psf, preview, matte, how)
+    files = runs.GlareFiles(source, out, psf, preview, matte, how, lit.chosen())
     look = mixing.look()
     lens = {"focal-length": focal_length, "f-number": f_number, "sensor": sensor, "iris": iris}
     if over.eye:

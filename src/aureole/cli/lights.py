@@ -60,6 +60,34 @@ Connect = Annotated[
     ),
 ]
 
+Shot = Annotated[Path, typer.Argument(metavar="IN", help="Pictures of a shot, #### for the frame's number.")]
+Which = Annotated[str, typer.Option("--frames", help="Such as 1001-1240 or 1-100x2.", rich_help_panel=FILES)]
+Reach = Annotated[
+    float | None,
+    typer.Option(
+        "--reach",
+        help="Pixels that a light may be from where it is looked for; else a fortieth of the width.",
+        rich_help_panel=TRACKS,
+    ),
+]
+Patience = Annotated[
+    int,
+    typer.Option(
+        "--patience",
+        help="So many frames a light may be hidden and keep its number.",
+        rich_help_panel=TRACKS,
+    ),
+]
+Least = Annotated[
+    int, typer.Option("--least", help="Leave out lights seen in fewer frames.", rich_help_panel=TRACKS)
+]
+Looks = Annotated[
+    Path | None,
+    typer.Option(
+        "--preview", help="Also write PNGs with the lights marked: look.####.png.", rich_help_panel=FILES
+    ),
+]
+
 
 @app.command()
 def find(
@@ -99,42 +127,16 @@ def find(
 
 @app.command()
 def track(
-    source: Annotated[
-        Path, typer.Argument(metavar="IN", help="Pictures of a shot, #### for the frame's number.")
-    ],
+    source: Shot,
     out: Out,
-    which: Annotated[
-        str, typer.Option("--frames", help="Such as 1001-1240 or 1-100x2.", rich_help_panel=FILES)
-    ],
+    which: Which,
     threshold: Threshold = AUTO,
     most: Most = glare.MOST_LAMPS,
     connect: Connect = 1,
-    reach: Annotated[
-        float | None,
-        typer.Option(
-            "--reach",
-            help="Pixels that a light may be from where it is looked for; else a fortieth of the width.",
-            rich_help_panel=TRACKS,
-        ),
-    ] = None,
-    patience: Annotated[
-        int,
-        typer.Option(
-            "--patience",
-            help="So many frames a light may be hidden and keep its number.",
-            rich_help_panel=TRACKS,
-        ),
-    ] = glare.PATIENCE,
-    least: Annotated[
-        int,
-        typer.Option("--least", help="Leave out lights seen in fewer frames.", rich_help_panel=TRACKS),
-    ] = 1,
-    preview: Annotated[
-        Path | None,
-        typer.Option(
-            "--preview", help="Also write PNGs with the lights marked: look.####.png.", rich_help_panel=FILES
-        ),
-    ] = None,
+    reach: Reach = None,
+    patience: Patience = glare.PATIENCE,
+    least: Least = 1,
+    preview: Looks = None,
     memory: options.Memory = None,
     as_json: options.Json = False,
 ) -> None:

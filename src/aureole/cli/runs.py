@@ -4,6 +4,9 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from aureole import jobs, picture
 from aureole.cli import output, views
 from aureole.cli.glare_options import FileFlags, Look
@@ -22,6 +25,8 @@ class GlareFiles:
         Kernel out, PNG out, matte in.
     how : FileFlags
         Pixel type, colours, memory, and what becomes of NaN.
+    lights : GlareLights, optional
+        Which lights make glare; all light without it.
     """
 
     source: Path
@@ -30,6 +35,15 @@ class GlareFiles:
     preview: Path | None = None
     matte: Path | None = None
     how: FileFlags = field(default_factory=FileFlags)
+    lights: jobs.GlareLights | None = None
+
+    def sources(self, given: Picture) -> NDArray[np.floating] | None:
+        """Return how much of each pixel makes glare, 0..1; None where all does."""
+        matte = None if self.matte is None else jobs.read_matte(self.matte, given)
+        lit = jobs.lit_by(self.lights, given)
+        if lit is not None and not lit.any():
+            output.say_notes(["no light is found in the picture: nothing makes glare"])
+        return matte if lit is None else lit if matte is None else matte * lit
 
 
 @dataclass(frozen=True)
@@ -79,11 +93,10 @@ def glare(
     start = time.perf_counter()
     written = output.places(files.out, files.psf, files.preview)
     given = read(files)
-    matte = None if files.matte is None else jobs.read_matte(files.matte, given)
     job = jobs.GlareJob(
         given,
         camera,
-        matte=matte,
+        matte=files.sources(given),
         memory=files.how.most(),
         **vars(kernel),
         **vars(look),

@@ -145,12 +145,24 @@ def glare(
     maker = jobs.GlareMaker.of(
         camera,
         asked.files.matte,
+        _lights(asked),
         memory=asked.frame_memory,
         **vars(kernel),
         **vars(look),
     )
     maker.refuse()
     make("glare", asked, asked.tasks(maker, maker.words()), as_json)
+
+
+def _lights(asked: Sequence) -> jobs.GlareLights | None:
+    """Return the lights that make glare, with one threshold for all frames that lie there."""
+    lights, pattern = asked.files.lights, asked.files.source
+    if lights is None:
+        return None
+    if lights.frame is not None:
+        raise refuse.Refusal("'lights-frame' is for one picture; frames of a sequence know their number.")
+    there = [frame_files.frame(pattern, number) for number in frame_files.found(pattern)]
+    return lights.for_shot(there, asked.files.how.reading())
 
 
 def make(title: str, asked: Sequence, tasks: tuple[jobs.FrameTask, ...], as_json: bool) -> None:

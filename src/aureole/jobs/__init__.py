@@ -68,7 +68,7 @@ from aureole.jobs.frames import (
 )
 from aureole.jobs.glare import GlareJob, GlareResult, read_matte
 from aureole.jobs.glare_field import GlareField
-from aureole.jobs.glare_lights import GlareLights, lights_of_frame
+from aureole.jobs.glare_lights import GlareLights, lights_of_frame, lit_by
 from aureole.jobs.glare_sequence import GlareMaker
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
@@ -200,6 +200,7 @@ __all__ = [
     "lens_report",
     "lights_drawing",
     "lights_of_frame",
+    "lit_by",
     "named_table_stages",
     "order_rows",
     "placed_lamps",

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aureole import flare, glare, light, refuse
+from aureole.flare.lights import pixels_per_tangent
 from aureole.flare.prescription import Lens
 from aureole.glare import LampList, lamp_threshold, lit_about, luminances
 from aureole.records import Light, Picture, Spectrum
@@ -220,7 +221,7 @@ def _lamp_of_file(lamp: glare.Lamp, space: str, wanted: str) -> Lamp:
 
 def _angle(diameter: float, scene: Scene) -> float:
     """Return the angle across a light of some pixels, at the picture's centre."""
-    scale = min(flare.pixels_per_tangent(scene.lens, scene.shape))
+    scale = min(pixels_per_tangent(scene.lens, scene.shape))
     return 2.0 * math.atan(0.5 * diameter / scale)
 
 

@@ -157,28 +157,23 @@ def _read(path: Path, stamp: int) -> LampList:
     return glare.read_lamps(path)
 
 
-def both(
-    matte: NDArray[np.floating] | None, lights: GlareLights | None, source: Picture, frame: int | None = None
-) -> NDArray[np.floating] | None:
-    """Return what both a matte and lights leave of a picture's light.
+def lit_by(
+    lights: GlareLights | None, source: Picture, frame: int | None = None
+) -> NDArray[np.float32] | None:
+    """Return how much of each pixel's light makes glare, where it is not all.
 
     Parameters
     ----------
-    matte : ndarray, shape (rows, columns), optional
-        0..1.
     lights : GlareLights, optional
         Which lights make glare.
     source : Picture
         Linear.
     frame : int, optional
-        Its number.
+        Its number in a sequence.
 
     Returns
     -------
-    ndarray or None
-        0..1; None where neither is given.
+    ndarray of float32, shape (rows, columns), or None
+        0..1; None for all light.
     """
-    if lights is None:
-        return matte
-    lit = lights.matte(source, frame)
-    return lit if matte is None else lit * matte
+    return None if lights is None else lights.matte(source, frame)

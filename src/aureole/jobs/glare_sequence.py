@@ -13,6 +13,7 @@ from aureole import light, picture
 from aureole.jobs import frame_files
 from aureole.jobs.frames import FrameMaker, digest
 from aureole.jobs.glare import GlareJob, PreparedGlare, lay_over, prepared_glare, read_matte, refuse_words
+from aureole.jobs.glare_lights import GlareLights, lit_by
 from aureole.jobs.optics import Optics
 from aureole.records import Picture
 
@@ -30,13 +31,22 @@ class GlareMaker(FrameMaker):
         What to do; its picture and its matte are not looked at.
     matte : Path, optional
         Where mattes are: one for all frames, or a name with #### for the frame's number.
+    lights : GlareLights, optional
+        Which lights make glare; all light without it.
     """
 
     job: GlareJob
     matte: Path | None = None
+    lights: GlareLights | None = None
 
     @classmethod
-    def of(cls, optics: Optics, matte: Path | None = None, **options: Any) -> "GlareMaker":
+    def of(
+        cls,
+        optics: Optics,
+        matte: Path | None = None,
+        lights: GlareLights | None = None,
+        **options: Any,
+    ) -> "GlareMaker":
         """Return the maker of a camera's glare.
 
         Parameters
@@ -44,6 +54,8 @@ class GlareMaker(FrameMaker):
         optics : Optics
             The camera.
         matte : Path, optional
+            As above.
+        lights : GlareLights, optional
             As above.
         **options : object
             Other fields of `GlareJob`.
@@ -54,7 +66,7 @@ class GlareMaker(FrameMaker):
             For a sequence's tasks.
         """
         nothing = Picture(np.zeros((1, 1, 3), dtype=np.float32))
-        return cls(GlareJob(nothing, optics, **options), matte)
+        return cls(GlareJob(nothing, optics, **options), matte, lights)
 
     def refuse(self) -> None:
         """Refuse, before any work, what no frame could be made with."""
@@ -66,7 +78,8 @@ class GlareMaker(FrameMaker):
         """Return what a frame's file says of itself, the same for the same job alone."""
         files = [_contents(path) for path in _files(self.job.optics)]
         matte = None if self.matte is None else str(self.matte)
-        return f"aureole glare {digest(_described(self.job), matte, files)}"
+        lights = None if self.lights is None else self.lights.words()
+        return f"aureole glare {digest(_described(self.job), matte, files, lights)}"
 
     def make(self, source: Picture, number: int) -> tuple[Picture, dict[str, Any]]:
         """Return a frame from the picture of its source, and its plain numbers.
@@ -86,6 +99,9 @@ class GlareMaker(FrameMaker):
             Plain numbers.
         """
         matte = None if self.matte is None else read_matte(_numbered(self.matte, number), source)
+        lit = lit_by(self.lights, source, number)
+        if lit is not None:
+            matte = lit if matte is None else matte * lit
         job = dataclasses.replace(self.job, picture=source, matte=matte)
         result = lay_over(job, _kernel(job))
         return result.picture, result.report
