@@ -139,11 +139,14 @@ def test_flares_take_lights_of_a_file_and_found_ones(shot, capsys):
         pytest.approx([13, 13]),
         pytest.approx([61.5, 33.5]),
     ]
-    for one, other in zip(listed, found, strict=True):
+    # Even squares of 2 and 3 pixels: by their spread less a pixel's own, and by their area.
+    spread = [4 * (variance - 1 / 12) ** 0.5 for variance in (1 / 4, 2 / 3)]
+    area = [side * (4 / np.pi) ** 0.5 for side in (2, 3)]
+    for one, other, wide, covered in zip(listed, found, spread, area, strict=True):
         assert one["place_pixels"] == pytest.approx(other["place_pixels"], abs=1e-3)
         # The file's flux is above the ground, which the other keeps.
         assert one["strength"] == pytest.approx(other["strength"], rel=0.01)
-        assert one["size_deg"] == pytest.approx(other["size_deg"], rel=0.1)
+        assert one["size_deg"] / other["size_deg"] == pytest.approx(wide / covered, rel=0.01)
     # A file may say no more than places, and may be of a proxy; the picture says the strength.
     lights.write_text(
         '{"lamps": 1, "width": 40, "height": 24}\n{"x": 6.5, "y": 6.5, "frame": 7}\n', encoding="utf-8"
