@@ -187,6 +187,36 @@ def test_what_is_typed_takes_the_place_of_a_line(here):
     assert values("glare", words) == values("glare", plain)
 
 
+def test_a_job_holds_a_sequence_and_goes_on_where_it_stopped(lamp, capsys):
+    for number in range(1001, 1005):
+        (lamp / f"shot.{number}.exr").write_bytes((lamp / "lamp.exr").read_bytes())
+    (lamp / "job.toml").write_text(
+        'command = "glare"\n[job]\nf-number = 22\nblades = 5\nkernel-size = "15"\npixel-pitch = "20um"\n'
+        'frames = "1001-1002"\nlog = "shot.log"\npixel-type = "half"\n'
+    )
+    words = "glare shot.####.exr -o out.####.exr --frames 1001-1004x1 --config job.toml --json"
+    assert run([*words.split(), "--save-config", "whole.toml"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert [frame["number"] for frame in report["frames"]] == [1001, 1002, 1003, 1004]
+    assert len((lamp / "shot.log").read_text().splitlines()) == 4
+    # What the file says of camera and kernel is what each frame is made with.
+    typed = "glare lamp.exr -o one.exr --f-number 22 --blades 5 --kernel-size 15 --pixel-pitch 20um"
+    assert run([*typed.split(), "--pixel-type", "half", "--json"]) == 0
+    capsys.readouterr()
+    made = picture.read(lamp / "out.1003.exr").pixels
+    assert np.array_equal(made, picture.read(lamp / "one.exr").pixels)
+    # The whole job from its own file makes what is missing alone.
+    (lamp / "out.1002.exr").unlink()
+    assert run(["run", "whole.toml", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert (report["frames_done"], report["frames_kept"]) == (1, 3)
+    # A shot's own file after the show's: other frames, the rest stays.
+    (lamp / "shot.toml").write_text('[job]\nframes = "1004"\noverwrite = true\n')
+    assert run(["run", "whole.toml", "--config", "shot.toml", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert [(frame["number"], frame["state"]) for frame in report["frames"]] == [(1004, "done")]
+
+
 def test_what_is_typed_behind_a_job_is_run(here, capsys):
     (here / "job.toml").write_text(
         'command = "starburst"\n[job]\noutput = "no.exr"\nf-number = 22\nblades = 5\nsize = 33\n'

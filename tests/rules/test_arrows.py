@@ -17,6 +17,8 @@ FLOORS = [
     ("studio", "bench"),
     ("cli",),
 ]
+# Slow to import, and not always there.
+EXTRAS = ("av", "dask", "distributed")
 FLOOR_OF = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 
 
@@ -66,6 +68,25 @@ def test_only_kernels_depend_on_numba():
         if "numba" in path.read_text(encoding="utf-8") and not path.stem.startswith("_kernels")
     ]
     assert not outside, outside
+
+
+def test_libraries_of_extras_are_imported_where_they_are_used():
+    """So that the command line starts as fast with them as without, and runs without."""
+    at_the_top = [
+        f"{path.relative_to(SOURCE)} imports {name}"
+        for path in modules()
+        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        for name in names_of(node)
+        if name.split(".")[0] in EXTRAS
+    ]
+    assert not at_the_top, at_the_top
+
+
+def names_of(node: ast.stmt) -> list[str]:
+    """What a statement imports."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names]
+    return [node.module or ""] if isinstance(node, ast.ImportFrom) else []
 
 
 def test_the_rule_sees_a_wrong_arrow(tmp_path):
