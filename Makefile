@@ -15,6 +15,7 @@ figures: $(VENV)/.installed stale
 	@AUREOLE=$(BIN)/aureole PYTHON=$(BIN)/python sh docs/flare_figures.sh
 	@PYTHON=$(BIN)/python sh docs/eye_figures.sh
 	@PYTHON=$(BIN)/python sh docs/surface_figures.sh
+	@AUREOLE=$(BIN)/aureole PYTHON=$(BIN)/python sh docs/sequence_figures.sh
 
 test: $(VENV)/.tests-installed check stale
 	$(BIN)/python -m pytest

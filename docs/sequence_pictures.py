@@ -1,0 +1,42 @@
+"""Pictures of docs/sequences.md that need more than one command. Run it from the repository's root.
+
+    python docs/sequence_pictures.py shot FOLDER 12
+    python docs/sequence_pictures.py stack OUT 480x120+200+260 FILES...
+
+`shot` writes the first frames of the page's shot; `stack` lays the same part of several pictures one below
+the other, or pictures whole where no part is given (`all`).
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from aureole import Picture, picture
+
+GAP = 4
+
+
+def shot(folder: str, count: str) -> None:
+    """Write frames of a camera that pans over the bundled night."""
+    scene = picture.night_scene((540, 1080))
+    for k in range(int(count)):
+        seen = Picture(scene.pixels[:, 2 * k : 2 * k + 960])
+        picture.write(Path(folder) / f"shot.{1001 + k}.exr", seen, pixel_type="half")
+
+
+def stack(out: str, part: str, *files: str) -> None:
+    """Lay pictures one below the other with a thin line between."""
+    pictures = [picture.read(name).pixels[..., :3] for name in files]
+    if part != "all":
+        size, left, top = part.split("+")
+        columns, rows = (int(word) for word in size.split("x"))
+        x, y = int(left), int(top)
+        pictures = [each[y : y + rows, x : x + columns] for each in pictures]
+    line = np.ones((GAP, pictures[0].shape[1], 3), dtype=np.float32)
+    parts = [part for each in pictures for part in (each, line)][:-1]
+    picture.write(out, Picture(np.concatenate(parts)))
+
+
+if __name__ == "__main__":
+    {"shot": shot, "stack": stack}[sys.argv[1]](*sys.argv[2:])
