@@ -18,8 +18,8 @@ class FieldFlags:
 
     Parameters
     ----------
-    field, lens, rim : optional
-        How many places, whose housing, and further rims.
+    field, lens, rim, lens_rims : optional
+        How many places, whose housing, further rims, and how the lens's are found.
     vignette, whole_kernel : bool
         Whether the picture darkens with them, and whether kernels reach any pixel.
     """
@@ -51,6 +51,15 @@ class FieldFlags:
             rich_help_panel=FIELD,
         ),
     ] = None
+    lens_rims: Annotated[
+        str | None,
+        typer.Option(
+            "--lens-rims",
+            help="How the lens's rims are found: traced (by real rays, unless given) or paraxial (as images "
+            "near the axis).",
+            rich_help_panel=FIELD,
+        ),
+    ] = None
     vignette: Annotated[
         bool,
         typer.Option(
@@ -72,13 +81,19 @@ class FieldFlags:
         """Return what changes over the frame, None where nothing does."""
         changes = self.lens is not None or bool(self.rim) or pupil.dirt_distance is not None
         if not changes:
-            for name, value in (("field", self.field), ("vignette", self.vignette)):
+            for name, value in (
+                ("field", self.field),
+                ("vignette", self.vignette),
+                ("lens-rims", self.lens_rims),
+            ):
                 if value:
                     raise refuse.Refusal(
                         f"'{name}' needs something that changes over the frame: 'lens', 'rim' or "
                         "'dirt-distance'."
                     )
             return None
+        if self.lens_rims is not None and self.lens is None:
+            raise refuse.Refusal("'lens-rims' needs 'lens'.")
         nodes = jobs.GlareField.nodes if self.field is None else options.size(self.field, "field")
         rims = tuple(aperture.Rim(*lengths(text, "rim")) for text in self.rim or ())
-        return jobs.GlareField(nodes, self.lens, rims, self.vignette)
+        return jobs.GlareField(nodes, self.lens, rims, self.vignette, self.lens_rims or jobs.LENS_RIMS[0])

@@ -10,7 +10,7 @@ prescription   `Lens` and `Surface`; reading and checking a lens
 lens_file      writing a lens as TOML
 ghost_paths    the ways of two reflections and of four, their names and counts
 paraxial       matrices of the image and of ghosts; focal length, focus, f-number, pupil, axial colour
-housing        the rims of a lens as they are seen from the front
+housing        the rims of a lens as they are seen from the front: near the axis, or by real rays
 lint           what looks wrong in a prescription
 importers      lens files of other programs; import_*: one format a file, `import_draft` makes a lens of it
 rays           real rays, one loop for every way: the truth for faster tracers
@@ -53,7 +53,7 @@ from aureole.flare.ghost_paths import (
     without,
 )
 from aureole.flare.glass import AIR, Glass, index, named
-from aureole.flare.housing import housing_rims
+from aureole.flare.housing import SeenPupil, TracedHousing, housing_rims
 from aureole.flare.importers import import_lens, open_lens
 from aureole.flare.lens_file import to_toml, write
 from aureole.flare.lights import colour_spectrum, find_lights, light_at, light_on_picture, place_on_picture
@@ -81,8 +81,10 @@ __all__ = [
     "Merge",
     "Options",
     "Primitives",
+    "SeenPupil",
     "Surface",
     "Traced",
+    "TracedHousing",
     "ZoomState",
     "at_state",
     "chosen",

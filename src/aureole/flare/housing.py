@@ -1,15 +1,32 @@
-"""The rims of a lens as they are seen from the front, near the axis.
+"""The rims of a lens as they are seen from the front: near the axis, or by real rays.
 
 Every semi-aperture has an image before all glass; light passes where it passes all images and the stop's,
-the entrance pupil. From off the axis they no longer lie over one another: the lens's cat's eye.
+the entrance pupil. From off the axis they no longer lie over one another: the lens's cat's eye. Images near
+the axis are circles that move (`housing_rims`); real rays find the outline itself (`TracedHousing`).
 """
 
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from aureole import aperture as apertures
+from aureole import refuse
 from aureole.aperture import Rim
+from aureole.flare import tracing
 from aureole.flare.paraxial import entrance_pupil, focal_length, heights
 from aureole.flare.prescription import Lens
+from aureole.flare.tracing import Flags, Numbers
+from aureole.records import Aperture
 
 # Rims that the entrance pupil's own distance differs from by so little are the stop, parts of the length.
 SAME = 1e-9
+WAVELENGTH = 550e-9
+# Directions about the middle of the light in which the outline is found, halvings of each way to it, and
+# rays along each side of the grid that finds the middle.
+TURNS, HALVINGS, SIDE = 128, 26, 41
+# Where nothing cuts the pupil the outline goes so far beyond its rim that its chords do not cut it either.
+BEYOND = 1.02
 
 
 def housing_rims(lens: Lens, wanted_focal_length: float | None = None, axis: str = "y") -> list[Rim]:
@@ -29,7 +46,7 @@ def housing_rims(lens: Lens, wanted_focal_length: float | None = None, axis: str
     list of Rim
         Of all surfaces but the stop, for `aureole.aperture.behind_rims`. These are images near the axis: the
         light that they leave at 8 degrees is within 0.02 of what real rays find for the Cooke triplet and
-        the Summicron, 0.05 too little for the Heliar and 0.11 for the Nikkor of f/1.2.
+        the Summicron, 0.05 too little for the Heliar and 0.11 for the Nikkor of f/1.2 (`TracedHousing`).
     """
     own = focal_length(lens, axis)
     scale = 1.0 if wanted_focal_length is None else wanted_focal_length / own
@@ -43,3 +60,116 @@ def housing_rims(lens: Lens, wanted_focal_length: float | None = None, axis: str
         diameter = 2 * surface.semi_aperture / abs(across)
         rims.append(Rim(scale * diameter, scale * (place - along / across)))
     return rims
+
+
+@dataclass(frozen=True, eq=False)
+class SeenPupil:
+    """What of a lens's pupil can be seen from a direction.
+
+    Parameters
+    ----------
+    outline : Aperture, optional
+        What the rims leave, on the pupil and a little beyond its rim, metres; None where they cut nothing.
+    stretch : float
+        Cross-section of the light through a part of the stop, without the cosine, over that near the axis:
+        pupils of some lenses grow as they are seen from aside.
+    """
+
+    outline: Aperture | None
+    stretch: float
+
+
+class TracedHousing:
+    """The rims of a lens by real rays.
+
+    Rays of one direction are traced to the stop; on the ways from the light's middle outward, halved again
+    and again, lies the place where the first semi-aperture, or the stop's rim, ends the light.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+    pupil_radius : float
+        How far from the axis the pupil in use reaches, metres.
+    wanted_focal_length : float, optional
+        Metres: the lens is scaled to it; its own otherwise.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where a number is not above zero, or no light passes along the axis.
+    """
+
+    def __init__(self, lens: Lens, pupil_radius: float, wanted_focal_length: float | None = None) -> None:
+        scale = 1.0 if wanted_focal_length is None else wanted_focal_length / focal_length(lens)
+        self._radius = scale * entrance_pupil(lens)[1]
+        self._reach = BEYOND * refuse.positive("pupil_radius", pupil_radius) / self._radius
+        self._upright = math.copysign(1.0, float(heights(lens)[lens.stop][0, 0]))
+        self._prepared = tracing.prepare(lens, [WAVELENGTH])
+        self._first = lens.surfaces[0].semi_aperture
+        self._name = lens.name
+        self._stretch = 1.0
+        self._stretch = self.seen_from((0.0, 0.0)).stretch
+
+    def seen_from(self, direction: tuple[float, float]) -> SeenPupil:
+        """Return what of the pupil light from a direction finds.
+
+        Parameters
+        ----------
+        direction : tuple of float
+            Towards the light, radians off the axis (right, down).
+
+        Returns
+        -------
+        SeenPupil
+            On the pupil as it is seen along the axis, where the iris keeps its shape.
+
+        Raises
+        ------
+        refuse.Refusal
+            Where no light passes, or an angle is beyond 80 degrees.
+        """
+        # What stands a metre behind the pupil moves by the tangents.
+        along = tracing.travel((*apertures.parallax(direction, -1.0), 1.0))
+        front, stop, is_rim = self._outline(along, direction)
+        stretch = _area(front) / _area(stop) / self._stretch
+        if not is_rim.any():
+            return SeenPupil(None, stretch)
+        return SeenPupil(apertures.polygon(self._upright * self._radius * stop), stretch)
+
+    def _outline(self, along: Numbers, direction: tuple[float, float]) -> tuple[Numbers, Numbers, Flags]:
+        """Return the light's outline on the first vertex's plane and on the stop, and where a rim made it."""
+        side = self._first * np.linspace(-1, 1, SIDE)
+        grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+        lit = grid[self._merit(grid, along)[0] <= 1]
+        if not len(lit):
+            right, down = (math.degrees(angle) for angle in direction)
+            raise refuse.Refusal(
+                f"the lens '{self._name}' lets no light through from {right:.3g} degrees right and "
+                f"{down:.3g} degrees down; take a longer focal length, or a smaller sensor."
+            )
+        middle = lit.mean(axis=0)
+        turns = 2 * np.pi * np.arange(TURNS) / TURNS
+        ways = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+        inside, outside = np.zeros(TURNS), np.full(TURNS, 4 * self._first)
+        for _ in range(HALVINGS):
+            half = (inside + outside) / 2
+            passes = self._merit(middle + half[:, None] * ways, along)[0] <= 1
+            inside, outside = np.where(passes, half, inside), np.where(passes, outside, half)
+        front = middle + inside[:, None] * ways
+        _, stop, is_rim = self._merit(front, along)
+        return front, stop, is_rim
+
+    def _merit(self, points: Numbers, along: Numbers) -> tuple[Numbers, Numbers, Flags]:
+        """Return how far out rays go (1: to their end), where on the stop, and whether a rim ends them."""
+        rays = tracing.follow(self._prepared, [()], [len(points)], points, along)
+        stop = np.stack([rays.stop_x, rays.stop_y], axis=1).astype(np.float64)
+        on_stop = np.hypot(*stop.T) / self._reach
+        merit = np.where(rays.reached, np.maximum(rays.level, on_stop), tracing.LOST)
+        return merit, stop, np.asarray(rays.level > on_stop)
+
+
+def _area(points: Numbers) -> float:
+    """Return the area of a polygon."""
+    x, y = points.T
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))

@@ -61,6 +61,7 @@ from aureole.glare.camera_field import (
     camera_at,
     camera_direction,
     camera_places,
+    camera_within,
     field_prepare,
     open_share_of,
     vignette,
@@ -78,7 +79,7 @@ from aureole.glare.eye_composite import (
     solid_angle_weights,
     tangent_pitch,
 )
-from aureole.glare.eye_field import eye_field, eye_stamps, field_places, radial_layers
+from aureole.glare.eye_field import axis_nodes, eye_field, eye_stamps, field_places, radial_layers
 from aureole.glare.eye_lids import blinks
 from aureole.glare.eye_particles import Population, populations, scattered_share
 from aureole.glare.eye_picture import eye_picture
@@ -139,6 +140,7 @@ __all__ = [
     "area_power",
     "area_psf",
     "area_psf_stages",
+    "axis_nodes",
     "blinks",
     "camera",
     "camera_at",
@@ -146,6 +148,7 @@ __all__ = [
     "camera_places",
     "camera_psf",
     "camera_psf_stages",
+    "camera_within",
     "check_eye",
     "cie_135",
     "cie_146",

@@ -9,7 +9,7 @@ and all light is kept, since each kernel keeps its own.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 from aureole import aperture as apertures
 from aureole import picture, refuse
 from aureole.aperture import Rim
+from aureole.glare.bloom import BloomSpread
 from aureole.glare.camera import pupil
 from aureole.glare.composite import Composition, kernel_parts
 from aureole.glare.eye_field import PsfAt, axis_nodes, node_shares
-from aureole.records import Camera, Picture
+from aureole.records import Aperture, Camera, Picture
 
 Place = tuple[float, float]
 # A camera's housing darkens smoothly, so it is found at so many places (down, across).
@@ -107,6 +108,29 @@ def camera_at(camera: Camera, rims: Sequence[Rim], direction: Place) -> Camera:
     return camera if left is whole else replace(camera, iris=left)
 
 
+def camera_within(camera: Camera, outline: Aperture) -> Camera:
+    """Return a camera whose iris is what lies within an outline.
+
+    Parameters
+    ----------
+    camera : Camera
+        Any.
+    outline : Aperture
+        At its size before the camera's pupil, metres, as `aureole.flare.TracedHousing` finds it.
+
+    Returns
+    -------
+    Camera
+        For `camera_psf`.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where nothing is left.
+    """
+    return replace(camera, iris=apertures.intersection(pupil(camera), outline))
+
+
 def open_share_of(camera: Camera, cropped: Camera) -> float:
     """Return the part of a camera's light that is left to it behind its housing.
 
@@ -151,7 +175,7 @@ def field_prepare(
     nodes : tuple of int
         How many places (down, across).
     mode : str
-        "replace", "scatter" or "add".
+        One of `aureole.glare.MODES`.
     core_radius : float
         As in `aureole.glare.prepare`.
     precision : str
@@ -162,8 +186,7 @@ def field_prepare(
     Returns
     -------
     Composition
-        To be given to `aureole.glare.composite`; each point spread function costs
-        one more convolution, and its transform.
+        To be given to `aureole.glare.composite`.
 
     Raises
     ------
@@ -172,7 +195,7 @@ def field_prepare(
     """
     refuse.one_of("precision", precision, ("single", "double"))
     core = np.zeros((*shape, 3), dtype=np.float32)
-    returned, parts = 0.0, []
+    returned = 0.0
     places = camera_places(camera, shape, nodes, corner)
     lots: dict[int, tuple[Picture, NDArray[np.float32]]] = {}
     for (_, direction), share in zip(places, node_shares(shape, nodes), strict=True):
@@ -180,28 +203,48 @@ def field_prepare(
         # Places that have one point spread function need one convolution.
         lots[id(psf)] = (psf, lots[id(psf)][1] + share if id(psf) in lots else share)
     spaces = {psf.colour_space for psf, _ in lots.values()}
+    if len(spaces) > 1:
+        raise refuse.Refusal(f"'psf_at' must give one colour space, got {', '.join(sorted(spaces))}.")
+    kernels, shares, stays = [], [], []
     for psf, share in lots.values():
         kernel, kept, lost = kernel_parts(psf, mode, core_radius)
         core += share[..., None] * kept
         returned += lost * float(share.mean(dtype=np.float64))
-        parts.append((share, kernel))
-    if len(spaces) > 1:
-        raise refuse.Refusal(f"'psf_at' must give one colour space, got {', '.join(sorted(spaces))}.")
+        kernels.append(kernel)
+        shares.append(share)
+        stays.append(kept)
+    if mode == "bloom":
+        return Composition(mode, core, returned, _BloomField(kernels, shares, stays, precision))
+    return Composition(mode, core, returned, picture.PlacesConvolver(kernels, shares, precision))
 
-    def spread(light: NDArray[np.floating]) -> NDArray[np.floating]:
-        out: NDArray[np.floating] | None = None
-        for share, kernel in parts:
-            # Spectra of all places at once would fill the memory.
-            made = picture.convolve(light * share[..., None], kernel, "fft", precision)
-            out = made if out is None else np.add(out, made, out=out)
-        assert out is not None
+
+class _BloomField:
+    """Bloom of several places, each with its share of each pixel."""
+
+    def __init__(
+        self,
+        kernels: Sequence[NDArray[np.float32]],
+        shares: Sequence[NDArray[np.float32]],
+        stays: Sequence[NDArray[np.float32]],
+        precision: str,
+    ) -> None:
+        rows, columns = shares[0].shape
+        spreads = [BloomSpread(kernel, (rows, columns), precision) for kernel in kernels]
+        self._parts = list(zip(spreads, shares, stays, strict=True))
+
+    def __call__(self, pixels: NDArray[np.floating], kept: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Spread the light of one picture; what each place keeps makes what each pixel keeps together."""
+        out = np.zeros(pixels.shape, dtype=np.float32)
+        for spread, share, stays in self._parts:
+            out += spread(pixels * share[..., None], stays)
         return out
-
-    return Composition(mode, core, returned, spread)
 
 
 def vignette(
-    camera: Camera, rims: Sequence[Rim], shape: tuple[int, int], corner: tuple[int, int] = (0, 0)
+    camera: Camera,
+    open_part: Callable[[Place], float],
+    shape: tuple[int, int],
+    corner: tuple[int, int] = (0, 0),
 ) -> NDArray[np.float32]:
     """Return the part of the pupil that is open to each pixel's light: mechanical vignetting.
 
@@ -209,8 +252,9 @@ def vignette(
     ----------
     camera : Camera
         Its resolution that of the whole sensor.
-    rims : sequence of Rim
-        Of the lens, metres.
+    open_part : callable
+        Takes a direction (right, down) in radians off the axis to the part that is open, as
+        ``lambda direction: aperture.open_part(pupil, rims, direction)``.
     shape : tuple of int
         (rows, columns) of the picture.
     corner : tuple of int
@@ -226,9 +270,8 @@ def vignette(
     refuse.Refusal
         Where nothing is left of the pupil somewhere.
     """
-    opening = pupil(camera)
     places = camera_places(camera, shape, VIGNETTE_NODES, corner)
     out = np.zeros(shape, dtype=np.float32)
     for (_, direction), share in zip(places, node_shares(shape, VIGNETTE_NODES), strict=True):
-        out += np.float32(apertures.open_part(opening, rims, direction)) * share
+        out += np.float32(open_part(direction)) * share
     return out

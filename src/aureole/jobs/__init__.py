@@ -67,7 +67,7 @@ from aureole.jobs.frames import (
     run_frame,
 )
 from aureole.jobs.glare import GlareJob, GlareResult, read_matte
-from aureole.jobs.glare_field import GlareField
+from aureole.jobs.glare_field import LENS_RIMS, GlareField
 from aureole.jobs.glare_lights import GlareLights, lights_of_frame, lit_by
 from aureole.jobs.glare_sequence import GlareMaker
 from aureole.jobs.lens import lens_list, lens_report
@@ -125,6 +125,7 @@ from aureole.jobs.surface_sources import (
 from aureole.jobs.viewer import Viewer
 
 __all__ = [
+    "LENS_RIMS",
     "METALS",
     "QUICK_GRID",
     "TABLE_SUFFIXES",

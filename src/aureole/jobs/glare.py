@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import glare, light, picture, refuse
-from aureole.jobs.glare_field import GlareField, PreparedField, field_stages
+from aureole.jobs.glare_field import FieldKernels, GlareField, PreparedField, field_stages
 from aureole.jobs.optics import Optics
 from aureole.jobs.starburst import psf_report
 from aureole.records import Camera, Picture, Stage
@@ -310,7 +310,8 @@ def _field(job: GlareJob, psf_from: Callable[[Camera], Iterator[Stage]]) -> Iter
     if header is not None:
         data, shown = header.data_window, header.display_window
         corner = (data.y - shown.y, data.x - shown.x)
-    return field_stages(job.field, camera_from, psf_from, (rows, columns), corner, job.mode, job.precision)
+    kernels = FieldKernels(job.field.housing(plain), camera_from, psf_from)
+    return field_stages(job.field, kernels, (rows, columns), corner, job.mode, job.precision)
 
 
 def _darkened(source: Picture, vignette: NDArray[np.float32] | None) -> Picture:
@@ -339,7 +340,8 @@ def _kernel_shape(job: GlareJob, camera: Camera) -> tuple[int, int]:
 def _refuse_memory(job: GlareJob, shape: tuple[int, int]) -> None:
     """Refuse kernels and a picture that would not fit, before any work."""
     rows, columns = job.picture.pixels.shape[:2]
-    kernels = 1 if job.field is None else job.field.nodes[0] * job.field.nodes[1]
+    # One more stands half way between places, for the error.
+    kernels = 1 if job.field is None else job.field.nodes[0] * job.field.nodes[1] + 1
     needed = (BYTES_PER_KERNEL_PIXEL + BYTES_PER_FURTHER_KERNEL * (kernels - 1)) * shape[0] * shape[1]
     needed += BYTES_PER_PIXEL * rows * columns
     limit = picture.allowed_memory(job.memory)

@@ -12,7 +12,7 @@
 - `transfer`: in: linear light, out: the numbers of display-referred files, and back
 - `color_config`: OpenColorIO configurations where one is given
 - `torus`: in: sizes, out: the samples for a picture and a kernel, and the transforms along them
-- `convolution`: in: pixels and a kernel, out: pixels of the same size
+- `convolution`: in: pixels and a kernel, or kernels that share the pixels, out: pixels of the same size
 - `mixing`: in: kernels, kept in 16 bits, and weights, out: pictures convolved with their sum
 - `quality`: in: a picture and its reference, out: plain and logarithmic PSNR, SSIM
 - `regions`: in: luminance and a threshold, out: connected bright regions, and what each measures
@@ -21,7 +21,7 @@
 - `scene`: in: a size and a seed, out: the bundled night scene; `_canvas` and `_far_shore` draw for it
 """
 
-from aureole.picture.convolution import Convolver, convolve
+from aureole.picture.convolution import Convolver, PlacesConvolver, convolve
 from aureole.picture.display import auto_exposure, false_colour, log_scale, side_by_side, to_display
 from aureole.picture.files import SUFFIXES, allowed_memory, describe, format_of, refuse_memory
 from aureole.picture.layers import Layers, attributes_of, write_layers
@@ -58,6 +58,7 @@ __all__ = [
     "KernelMix",
     "Layers",
     "MixedConvolver",
+    "PlacesConvolver",
     "Regions",
     "Window",
     "allowed_memory",

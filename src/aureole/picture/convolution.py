@@ -16,15 +16,17 @@ by per cents. Where neither input is negative, noise below zero is cut off. `pre
 lowers all this by nine decimal digits.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from aureole import refuse
-from aureole.picture.torus import Pixels, Torus, Value, thread_count, torus_for
+from aureole.picture import _kernels
+from aureole.picture.torus import Pixels, Torus, Value, share, thread_count, torus_for
 
 PRECISIONS: dict[str, DTypeLike] = {"single": np.float32, "double": np.float64}
+MOST_SPECTRA = 2_000_000_000  # bytes of many kernels' spectra that are kept for the next picture
 DIRECT_PRODUCTS = 4_000_000  # up to so many products a direct sum is quicker than preparing a transform
 
 
@@ -114,6 +116,111 @@ class Convolver:
             spectrum = self._spectra[min(channel, len(self._spectra) - 1)]
             self._torus.filter(picture, channel, spectrum, half, lowest, out)
         return out.reshape(np.shape(pixels))
+
+
+class PlacesConvolver:
+    """Kernels of one size, each for its share of each pixel: out = Σ_k K_k ⊗ (w_k · picture).
+
+    Products are added up while they are spectra, and transformed back once; rows without a share are not
+    transformed at all.
+
+    Parameters
+    ----------
+    kernels : sequence of ndarray, shape (rows, columns, channels)
+        Centres at (rows // 2, columns // 2); as many channels as the pictures.
+    weights : sequence of ndarray, shape (rows, columns)
+        One for each kernel, of the pictures' size.
+    precision : str
+        "single" computes and returns float32; "double" float64.
+    threads : int, optional
+        How many to use; by default one for each processor that this process may use.
+    most_bytes : int
+        The kernels' spectra are kept for the next picture where they need no more; else each picture
+        transforms the kernels anew.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where sizes or numbers of kernels and weights differ.
+    """
+
+    def __init__(
+        self,
+        kernels: Sequence[Pixels],
+        weights: Sequence[Pixels],
+        precision: str = "single",
+        threads: int | None = None,
+        most_bytes: int = MOST_SPECTRA,
+    ) -> None:
+        dtype = PRECISIONS[refuse.one_of("precision", precision, PRECISIONS)]
+        if not kernels or len(kernels) != len(weights):
+            raise refuse.Refusal(
+                f"'weights' must be one for each kernel, got {len(weights)} for {len(kernels)}."
+            )
+        self.shape = np.shape(weights[0])
+        size = np.shape(kernels[0])
+        cut, centre = _cropped(_checked("kernels", kernels[0], dtype), self.shape)
+        self._torus = torus_for(self.shape, cut.shape, centre, dtype, thread_count(threads))
+        self._kernels, self._weights, self._rows = [], [], []
+        for kernel, weight in zip(kernels, weights, strict=True):
+            # Kernels keep their own type, since all of them at once are many.
+            self._kernels.append(_cropped(refuse.shape_of("kernels", kernel, size), self.shape)[0])
+            self._weights.append(refuse.shape_of("weights", weight, self.shape))
+            lit = np.flatnonzero(np.any(weight != 0, axis=1))
+            self._rows.append((int(lit[0]), int(lit[-1]) + 1) if len(lit) else (0, 0))
+        self._is_positive = all(kernel.min() >= 0 for kernel in self._kernels)
+        room = self._torus.half_spectrum().nbytes * len(kernels) * size[2]
+        self._spectra: dict[tuple[int, int], Pixels] | None = {} if room <= most_bytes else None
+
+    def __call__(self, pixels: ArrayLike) -> Pixels:
+        """Convolve one picture.
+
+        Parameters
+        ----------
+        pixels : array_like, shape (rows, columns, channels)
+            Linear colour, without alpha, of the weights' size.
+
+        Returns
+        -------
+        ndarray of float32 or float64, shape of `pixels`
+            Not negative where neither the picture nor the kernels are negative.
+        """
+        refuse.shape_of("pixels", pixels, (*self.shape, self._kernels[0].shape[2]))
+        picture = _checked("pixels", pixels, self._torus.down.cosines.dtype)
+        out = np.empty_like(picture, order="C")
+        # The last block's unused lanes are added up, too, so they must hold numbers.
+        half, lowest = np.zeros_like(self._torus.half_spectrum()), _lowest(picture, self._is_positive)
+        for channel in range(picture.shape[2]):
+            total = np.zeros_like(half)
+            for k, (top, bottom) in enumerate(self._rows):
+                if top < bottom:
+                    shared = picture[top:bottom, :, channel] * self._weights[k][top:bottom]
+                    self._add(shared[..., None], top, self._spectrum(k, channel), half, total)
+            self._torus.back(total, channel, lowest, out)
+        return out
+
+    def _spectrum(self, k: int, channel: int) -> Pixels:
+        """Return a kernel's spectrum, kept from the last picture or made anew."""
+        if self._spectra is not None and (k, channel) in self._spectra:
+            return self._spectra[k, channel]
+        one = self._kernels[k][..., channel : channel + 1].astype(self._torus.down.cosines.dtype)
+        spectrum = self._torus.kernel_spectrum(one, 0, np.zeros_like(self._torus.half_spectrum()))
+        if self._spectra is not None:
+            self._spectra[k, channel] = spectrum
+        return spectrum
+
+    def _add(self, shared: Pixels, top: int, spectrum: Pixels, half: Pixels, total: Pixels) -> None:
+        """Add the spectrum of a few rows of light, times a kernel's, to the sum of all."""
+        scale, bottom = self._torus.scale, top + len(shared)
+
+        def multiply(block: int) -> None:
+            half[block, :top], half[block, bottom:] = 0, 0
+            self._torus.down.down(half[block])
+            _kernels.multiply(half[block], spectrum[block], scale)
+            total[block] += half[block]
+
+        self._torus.rows_down(shared, (top, 0), {0: half})
+        share(multiply, range(len(half)), self._torus.threads)
 
 
 def _by_sum(picture: Pixels, kernel: Pixels, threads: int) -> Pixels:

@@ -118,6 +118,11 @@ class Torus:
         share(multiply, range(len(half)), self.threads)
         self.rows_up({channel: half}, lowest, out)
 
+    def back(self, half: Pixels, channel: int, lowest: Value, out: Pixels) -> None:
+        """Transform a half spectrum back into one channel of the picture, nothing below the lowest value."""
+        share(lambda block: self.down.up(half[block]), range(len(half)), self.threads)
+        self.rows_up({channel: half}, lowest, out)
+
     def rows_down(self, pixels: Pixels, shifts: tuple[int, int], halves: Mapping[int, Pixels]) -> None:
         """Transform the rows of some channels, turned round by the shifts (row, column)."""
 
