@@ -171,5 +171,5 @@ def test_shares_that_do_not_fit_are_refused():
 
 def test_a_word_for_rims_that_means_nothing_is_refused():
     field = jobs.GlareField(lens="cooke_triplet_100mm", lens_rims="guessed")
-    with refused("'lens_rims' must be one of traced, paraxial; got 'guessed'."):
+    with refused("'lens_rims' must be one of 'traced', 'paraxial', got 'guessed'."):
         field.housing(CAMERA)

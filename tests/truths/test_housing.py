@@ -131,7 +131,5 @@ def test_traced_rims_of_a_tube_leave_the_area_that_two_circles_share(degrees):
 def test_a_dark_direction_is_refused():
     lens, _ = flare.open_lens("nikon_tele_zoom_200mm")
     housing = flare.TracedHousing(lens, 5e-3)
-    with pytest.raises(
-        refuse.Refusal, match="^the lens '.*' lets no light through from 40 degrees right and 0 d"
-    ):
+    with pytest.raises(refuse.Refusal, match=r"^the lens 'nikon\w+' lets no light through from 40 deg"):
         housing.seen_from((math.radians(40), 0.0))
