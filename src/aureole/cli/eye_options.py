@@ -309,6 +309,8 @@ class AnimationFlags(MovingFlags):
             raise refuse.Refusal("'luminance-from' and 'luminance-to' go together; one is missing.")
         if flags.luminance is not None:
             raise refuse.Refusal("'luminance' does not go with 'luminance-from' and 'luminance-to'.")
+        if self.animate is None:
+            raise refuse.Refusal("'luminance-from' needs 'animate', such as --animate 4s.")
         start = units.luminance(self.luminance_from, "luminance-from")
         end = units.luminance(self.luminance_to, "luminance-to")
         return (first, start), (first + self.duration(), end)

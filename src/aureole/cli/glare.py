@@ -1,13 +1,12 @@
 """The command `aureole glare`: a picture as a camera or an eye sees it."""
 
-from pathlib import Path
 from typing import Any
 
 from aureole import jobs, refuse
 from aureole.cli import eye_runs, options, runs, sequence_runs
 from aureole.cli.eye_options import AnimationFlags, EyeFlags, OverFlags
 from aureole.cli.field_options import FieldFlags
-from aureole.cli.glare_options import FileFlags, Look, LookFlags
+from aureole.cli.glare_options import FileFlags, KernelFile, Look, LookFlags
 from aureole.cli.lights_options import GlareLightFlags
 from aureole.cli.moving import MovingFlags, given
 from aureole.cli.options import ShapeFlags
@@ -56,6 +55,7 @@ def glare(
     aperture_picture: options.ApertureFile = None,
     matte: options.Matte = None,
     kernel_size: options.KernelSide = None,
+    kernel_file: KernelFile = None,
     psf: options.Psf = None,
     preview: options.Preview = None,
     as_json: options.Json = False,
@@ -94,17 +94,21 @@ def glare(
     )
     files = runs.GlareFiles(source, out, psf, preview, matte, how, lit.chosen())
     look = mixing.look()
+    many = sequence_runs.Sequence(files, sequence, moving)
     lens = {"focal-length": focal_length, "f-number": f_number, "sensor": sensor, "iris": iris}
+    lens |= {"pixel-pitch": pitch}
     if over.eye:
-        _refuse_camera(source, sequence, {**lens, "pixel-pitch": pitch}, shape, across)
+        _refuse_camera({**lens, "kernel": kernel_file}, shape, across, "--eye", SHARED)
         eye = _eye(viewer, moving, pupil, preset, look.illuminant)
-        asked = eye_runs.Over(eye, files, look, over, kernel_size)
-        eye_runs.over(asked, moving, as_json)
+        _seen(eye_runs.Over(eye, files, look, over, kernel_size), many, as_json)
         return
     _refuse_eye(over, viewer)
+    if kernel_file is not None:
+        _refuse_camera({**lens, "preset": preset}, shape, across, "--kernel")
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
-    kernel = runs.Kernel(kernel_size, options.pixel_pitch(pitch), across.whole_kernel, across.wanted(pupil))
-    many = sequence_runs.Sequence(files, sequence, moving)
+    ready = None if kernel_file is None else str(kernel_file)
+    field = across.wanted(pupil)
+    kernel = runs.Kernel(kernel_size, options.pixel_pitch(pitch), across.whole_kernel, field, ready)
     _camera(camera, many, look, kernel, as_json)
 
 
@@ -117,6 +121,17 @@ def _camera(
         return
     _refuse_many(asked.flags, asked.moving)
     runs.glare(camera, asked.files, look, kernel, as_json)
+
+
+def _seen(eye: eye_runs.Over, asked: sequence_runs.Sequence, as_json: bool) -> None:
+    """Let an eye see one picture, or many."""
+    if frame_files.is_pattern(asked.files.source):
+        sequence_runs.seen(eye, asked, as_json)
+        return
+    for name in given(asked.flags):
+        raise refuse.Refusal(f"'{name}' is for sequences; IN and OUT need #### for the frame's number.")
+    assert isinstance(asked.moving, AnimationFlags)
+    eye_runs.over(eye, asked.moving, as_json)
 
 
 def _refuse_eye(over: OverFlags, viewer: EyeFlags) -> None:
@@ -134,18 +149,16 @@ def _refuse_many(sequence: SequenceFlags, moving: MovingFlags) -> None:
 
 
 def _refuse_camera(
-    source: Path, sequence: SequenceFlags, lens: dict[str, Any], shape: ShapeFlags, across: FieldFlags
+    lens: dict[str, Any], shape: ShapeFlags, across: FieldFlags, beside: str, shared: tuple[str, ...] = ()
 ) -> None:
-    """Refuse sequences and flags of a camera, none of which an eye has."""
-    if frame_files.is_pattern(source) or given(sequence):
-        raise refuse.Refusal("sequences of pictures are for cameras; an eye sees one picture, or --animate.")
+    """Refuse flags of a camera beside an eye, or beside a kernel that is ready."""
     opening = {name.replace("_", "-"): value for name, value in vars(shape).items() if name != "pupil"}
     typed = {**lens, **opening}
     names = [name for name, value in typed.items() if value is not None]
-    names += [name for name in given(shape.pupil) if name not in SHARED] + given(across)
+    names += [name for name in given(shape.pupil) if name not in shared] + given(across)
     for name in names:
         flag = "aperture-picture" if name == "picture" else name
-        raise refuse.Refusal(f"'{flag}' is of cameras; it does not go with --eye.")
+        raise refuse.Refusal(f"'{flag}' is of cameras; it does not go with {beside}.")
 
 
 def _eye(

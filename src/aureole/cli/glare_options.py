@@ -2,10 +2,22 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from aureole.cli import options, output
 from aureole.cli.pupil_options import numbers
+
+KernelFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--kernel",
+        help="A point spread function that is ready, such as `aureole starburst` writes, in place of a "
+        "camera's: energy per pixel, at most 1 in all.",
+        rich_help_panel=options.MIXING,
+    ),
+]
 
 
 @dataclass(frozen=True)

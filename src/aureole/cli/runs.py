@@ -60,12 +60,15 @@ class Kernel:
         As in `aureole.jobs.GlareJob`.
     field : GlareField, optional
         As in `aureole.jobs.GlareJob`.
+    kernel : str, optional
+        As in `aureole.jobs.GlareJob`.
     """
 
     kernel_size: int | None = None
     pixel_pitch: float | None = None
     whole_kernel: bool = False
     field: jobs.GlareField | None = None
+    kernel: str | None = None
 
 
 def glare(

@@ -4,20 +4,23 @@ import contextlib
 import json
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import typer
 
 from aureole import jobs, picture, refuse
 from aureole.cli import output
 from aureole.cli.cluster_options import CrewFlags
+from aureole.cli.eye_runs import Over
 from aureole.cli.glare_options import Look
 from aureole.cli.moving import MovingFlags, given
 from aureole.cli.runs import GlareFiles, Kernel
 from aureole.jobs import frame_files
 from aureole.jobs.sequence import Spreader, one_by_one
+from aureole.records import Picture
 
 SEQUENCE = "Sequences"
 # Of the frames that are not there, how many a person is told one by one.
@@ -35,6 +38,8 @@ class SequenceFlags(CrewFlags):
         Who makes the frames.
     log, video : Path, optional
         Files to write.
+    first_frame : int, optional
+        When time begins.
     """
 
     log: Annotated[
@@ -50,6 +55,15 @@ class SequenceFlags(CrewFlags):
         typer.Option(
             "--video",
             help="Also write a video of all frames to look at: MP4; --fps sets its pace.",
+            rich_help_panel=SEQUENCE,
+        ),
+    ] = None
+    first_frame: Annotated[
+        int | None,
+        typer.Option(
+            "--first-frame",
+            help="The frame whose time is 0, for an eye and for dirt that drifts; number 0 unless given. A "
+            "frame's time is its number less this one, over --fps.",
             rich_help_panel=SEQUENCE,
         ),
     ] = None
@@ -73,7 +87,13 @@ class Sequence:
     flags: SequenceFlags
     moving: MovingFlags
 
-    def check(self) -> None:
+    @property
+    def pace(self) -> jobs.Pace:
+        """When frames are."""
+        first = self.flags.first_frame
+        return jobs.Pace(self.moving.rate(), 0 if first is None else refuse.at_least("first-frame", first, 0))
+
+    def check(self, moves: bool) -> None:
         """Refuse flags of single pictures and of animations, and files that could not be written."""
         for name in given(self.moving):
             if name not in ("frames", "overwrite", "fps"):
@@ -86,8 +106,10 @@ class Sequence:
                 f"'{self.files.out}' must have #### for the frame's number, as the input has."
             )
         picture.format_of(self.files.out)
-        if self.moving.fps is not None and self.flags.video is None:
-            raise refuse.Refusal("'fps' needs 'video'; frames of a sequence have no pace of their own.")
+        if self.moving.fps is not None and self.flags.video is None and not moves:
+            raise refuse.Refusal("'fps' needs 'video', an eye, or dirt that moves; nothing else has a pace.")
+        if self.flags.first_frame is not None and not moves:
+            raise refuse.Refusal("'first-frame' needs an eye, or dirt that moves; nothing else has a time.")
         if self.flags.video is not None:
             picture.writable(picture.check_video(self.flags.video))
         if self.flags.log is not None:
@@ -141,17 +163,57 @@ def glare(
     as_json : bool
         Whether a machine reads the report.
     """
-    asked.check()
     maker = jobs.GlareMaker.of(
         camera,
         asked.files.matte,
         _lights(asked),
+        asked.pace,
         memory=asked.frame_memory,
         **vars(kernel),
         **vars(look),
     )
+    asked.check(maker.moves)
     maker.refuse()
-    make("glare", asked, asked.tasks(maker, maker.words()), as_json)
+    tasks = asked.tasks(maker, maker.words())
+    if maker.moves:
+        _say_when(asked, tasks[0].number)
+    make("glare", asked, tasks, as_json)
+
+
+def seen(eye: Over, asked: Sequence, as_json: bool) -> None:
+    """Let an eye see the frames of a sequence, each at its time, and report.
+
+    Parameters
+    ----------
+    eye : Over
+        The eye, and how glare is mixed in.
+    asked : Sequence
+        Which frames, and their files.
+    as_json : bool
+        Whether a machine reads the report.
+    """
+    asked.check(True)
+    for name in ("photosafe", "white", "real-time"):
+        if name in given(eye.flags):
+            raise refuse.Refusal(f"'{name}' does not go with a sequence, whose frames are made each alone.")
+    nothing = Picture(np.zeros((1, 1, 3), dtype=np.float32))
+    plain = replace(eye, files=replace(eye.files, matte=None, lights=None))
+    job = replace(plain.job(nothing), memory=asked.frame_memory)
+    maker = jobs.EyeGlareMaker(job, jobs.GlareSources(asked.files.matte, _lights(asked)), asked.pace)
+    maker.refuse()
+    tasks = asked.tasks(maker, maker.words())
+    if tasks[0].number < maker.pace.first:
+        raise refuse.Refusal(f"frame {tasks[0].number} is before 'first-frame', when there is no eye yet.")
+    if len(job.eye.viewer.luminance) > 1:
+        _say_when(asked, tasks[0].number)
+    make("glare", asked, tasks, as_json)
+
+
+def _say_when(asked: Sequence, number: int) -> None:
+    """Say at which time a sequence begins, where nobody chose it and something changes with it."""
+    time = asked.pace.time(number)
+    if asked.flags.first_frame is None and time > 0:
+        output.say_notes([f"frame {number} is at {time:.4g} s; --first-frame {number} makes that 0 s"])
 
 
 def _lights(asked: Sequence) -> jobs.GlareLights | None:

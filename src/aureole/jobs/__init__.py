@@ -19,6 +19,8 @@ flare_starburst its starbursts, where each light stands
 eye             what a point of light looks like to an eye, at a time or through time
 eye_glare       a picture as an eye sees it at a time
 eye_glare_frames the same through time, by waves of its own or from flipbooks
+glare_sources   which light of a sequence's frames makes glare: mattes and lights
+eye_sequence    each frame of a sequence as an eye sees it at its time
 frames          frames of an animation: which there are, which are done; one frame of a sequence, alone
 frame_files     numbered files: names with #### for the number, lists of frames, which lie there whole
 sequence        frames of a sequence from files to files, whatever befalls one of them
@@ -55,6 +57,7 @@ from aureole.jobs.eye import QUICK_GRID, EyeAnimationJob, EyeJob, EyeResult
 from aureole.jobs.eye_glare import EyeGlareJob, EyeGlareResult
 from aureole.jobs.eye_glare_frames import EyeGlareAnimationJob
 from aureole.jobs.eye_preview import eye_brightness, write_eye_preview
+from aureole.jobs.eye_sequence import EyeGlareMaker
 from aureole.jobs.flare import FlareJob, FlareResult
 from aureole.jobs.flare_lights import Lamp
 from aureole.jobs.frames import (
@@ -64,12 +67,14 @@ from aureole.jobs.frames import (
     FrameOutcome,
     Frames,
     FrameTask,
+    Pace,
     run_frame,
 )
 from aureole.jobs.glare import GlareJob, GlareResult, read_matte
 from aureole.jobs.glare_field import LENS_RIMS, GlareField
 from aureole.jobs.glare_lights import GlareLights, lights_of_frame, lit_by
 from aureole.jobs.glare_sequence import GlareMaker
+from aureole.jobs.glare_sources import GlareSources
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
 from aureole.jobs.lens_ghosts import lens_ghosts
@@ -140,6 +145,7 @@ __all__ = [
     "EyeAnimationJob",
     "EyeGlareAnimationJob",
     "EyeGlareJob",
+    "EyeGlareMaker",
     "EyeGlareResult",
     "EyeJob",
     "EyeResult",
@@ -155,6 +161,7 @@ __all__ = [
     "GlareLights",
     "GlareMaker",
     "GlareResult",
+    "GlareSources",
     "Lamp",
     "LightsJob",
     "LightsResult",
@@ -170,6 +177,7 @@ __all__ = [
     "NearTextureResult",
     "Opening",
     "Optics",
+    "Pace",
     "PupilMeasures",
     "SequenceJob",
     "SequenceResult",

@@ -155,13 +155,30 @@ def _fresh(job: EyeGlareJob, view: EyeView, states: list[EyeState], awake: list[
 
     def make(number: int) -> Iterator[Stage]:
         state = states[number - 1]
-        return _frame_stages(job, view, state, _dimming(state, awake[number - 1]))
+        return seen_stages(job, view, state, dimming(state, awake[number - 1]))
 
     return make
 
 
-def _frame_stages(job: EyeGlareJob, view: EyeView, state: EyeState, share: float) -> Iterator[Stage]:
-    """Make a frame; lids that are shut leave it black."""
+def seen_stages(job: EyeGlareJob, view: EyeView, state: EyeState, share: float) -> Iterator[Stage]:
+    """Make a frame; lids that are shut leave it black.
+
+    Parameters
+    ----------
+    job : EyeGlareJob
+        How glare is mixed in.
+    view : EyeView
+        The picture.
+    state : EyeState
+        The eye.
+    share : float
+        Of the light that the lids let through, 0 to 1.
+
+    Yields
+    ------
+    Stage
+        The last one holds the `Picture` and its plain numbers.
+    """
     if is_shut(state):
         pixels = job.picture.pixels.copy()
         pixels[..., :3] = 0
@@ -176,8 +193,19 @@ def _frame_stages(job: EyeGlareJob, view: EyeView, state: EyeState, share: float
     yield Stage(1.0, "glare", (out, psf_numbers(psf) | {"sum_after": picture_sums(out)}))
 
 
-def _dimming(state: EyeState, awake: EyeState) -> float:
-    """Return how much of the light a blink lets through; an eye that squints is used to it."""
+def dimming(state: EyeState, awake: EyeState) -> float:
+    """Return how much of the light a blink lets through; an eye that squints is used to it.
+
+    Parameters
+    ----------
+    state, awake : EyeState
+        The eye, and the same one without blinking.
+
+    Returns
+    -------
+    float
+        0 to 1.
+    """
     if state.lid_opening == awake.lid_opening:
         return 1.0
     return min(1.0, glare.open_share(state) / glare.open_share(awake))

@@ -53,6 +53,42 @@ def frame(pattern: Path, number: int) -> Path:
     return pattern.with_name(_MARK.sub(lambda mark: f"{number:0{len(mark[0])}d}", pattern.name))
 
 
+def of(path: Path, number: int) -> Path:
+    """Return a frame's own file where each has one, or the one that serves all.
+
+    Parameters
+    ----------
+    path : Path
+        With or without a place for the number.
+    number : int
+        The frame's.
+
+    Returns
+    -------
+    Path
+        A file's.
+    """
+    return frame(path, number) if is_pattern(path) else path
+
+
+def own(path: Path | None, number: int) -> tuple[Path, ...]:
+    """Return the file that belongs to one frame alone.
+
+    Parameters
+    ----------
+    path : Path, optional
+        With or without a place for the number.
+    number : int
+        The frame's.
+
+    Returns
+    -------
+    tuple of Path
+        One, or none where one file serves all frames.
+    """
+    return () if path is None or not is_pattern(path) else (frame(path, number),)
+
+
 def is_there(path: Path, words: str, overwrite: bool, what: str = "frame") -> bool:
     """Return whether a frame lies there whole; refuse one of another job unless it may be replaced.
 

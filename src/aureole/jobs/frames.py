@@ -191,12 +191,36 @@ def frame_stages(
     yield Stage(1.0, "frames", FramesResult(list(told.values()), whole))
 
 
+@dataclass(frozen=True)
+class Pace:
+    """When the frames of a sequence are.
+
+    Parameters
+    ----------
+    rate : float
+        Frames a second.
+    first : int
+        The frame whose time is 0; others before it have a time below.
+    """
+
+    rate: float = 24.0
+    first: int = 1
+
+    def time(self, number: int) -> float:
+        """Return the time of a frame in seconds, whichever frames are made with it."""
+        return (number - self.first) / refuse.positive("fps", self.rate)
+
+
 class FrameMaker(ABC):
     """Makes frames of a sequence; plain values, so that it can be sent to other processes."""
 
     @abstractmethod
     def make(self, source: Picture, number: int) -> tuple[Picture, dict[str, Any]]:
         """Return a frame from the picture and number of its source, and its plain numbers."""
+
+    def inputs(self, number: int) -> tuple[Path, ...]:
+        """Return the files that belong to one frame besides its source."""
+        return ()
 
 
 @dataclass(frozen=True)
@@ -229,12 +253,12 @@ class FrameTask:
     overwrite: bool = False
 
     def is_done(self) -> bool:
-        """Return whether the frame lies there whole, and is no older than its source."""
+        """Return whether the frame lies there whole, and is no older than what it is made of."""
         if self.overwrite or not frame_files.lies_whole(self.target, self.description):
             return False
-        if not self.source.exists():
-            return True
-        return self.source.stat().st_mtime_ns <= self.target.stat().st_mtime_ns
+        made = self.target.stat().st_mtime_ns
+        parts = (self.source, *self.maker.inputs(self.number))
+        return all(part.stat().st_mtime_ns <= made for part in parts if part.exists())
 
 
 @dataclass(frozen=True)

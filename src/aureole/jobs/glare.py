@@ -56,6 +56,9 @@ class GlareJob:
         Part of the kernel's half size over which it fades to zero.
     precision : str
         Of the convolution, "single" or "double".
+    kernel : str, optional
+        File of a point spread function in place of the camera's: energy per pixel, its core at
+        (rows // 2, columns // 2), at most 1 in all.
     memory : int, optional
         Most bytes to use; three quarters of what is free otherwise.
     """
@@ -76,6 +79,7 @@ class GlareJob:
     method: str = "auto"
     border_fade: float = 0.25
     precision: str = "double"
+    kernel: str | None = None
     memory: int | None = None
 
 
@@ -113,18 +117,15 @@ class PreparedGlare:
         The point spread function.
     composition : aureole.glare.Composition
         The same, ready to be laid over pictures.
-    illuminant : str
-        The light's name.
     vignette : ndarray of float32, shape (rows, columns), optional
         By how much the picture darkens where rims crop the opening.
     report : dict
-        What is worth knowing of a field.
+        What is worth knowing of the kernel.
     """
 
     camera: Camera
     psf: Picture
     composition: glare.Composition
-    illuminant: str
     vignette: NDArray[np.float32] | None = None
     report: dict[str, Any] = dataclasses.field(default_factory=dict)
 
@@ -165,6 +166,10 @@ def prepared_glare(job: GlareJob) -> Iterator[Stage]:
         The last one holds a `PreparedGlare`.
     """
     refuse_words(job)
+    if job.kernel is not None:
+        yield Stage(0.0, "reading the kernel")
+        yield Stage(1.0, "preparing the kernel", _from_file(job, Path(job.kernel)))
+        return
     _, space = in_working_space(job.picture)
     lamp = light.illuminant(job.illuminant)
     camera = picture_camera(job)
@@ -181,11 +186,12 @@ def prepared_glare(job: GlareJob) -> Iterator[Stage]:
         yield Stage(0.875 * stage.fraction, stage.label)
     yield Stage(0.875, "preparing the kernel")
     if isinstance(made, PreparedField):
-        ready = PreparedGlare(camera, made.psf, made.composition, lamp.name, made.vignette, made.report)
+        report = psf_report(camera, made.psf, lamp.name) | made.report
+        ready = PreparedGlare(camera, made.psf, made.composition, made.vignette, report)
     else:
         rows, columns = job.picture.pixels.shape[:2]
         composition = glare.prepare(made, (rows, columns), job.mode, precision=job.precision)
-        ready = PreparedGlare(camera, made, composition, lamp.name)
+        ready = PreparedGlare(camera, made, composition, None, psf_report(camera, made, lamp.name))
     yield Stage(1.0, "preparing the kernel", ready)
 
 
@@ -214,9 +220,7 @@ def lay_over(job: GlareJob, prepared: PreparedGlare) -> GlareResult:
         gain=job.gain,
         tint=job.tint,
     )
-    report = psf_report(prepared.camera, prepared.psf, prepared.illuminant)
-    report["mode"] = job.mode
-    report |= prepared.report
+    report = prepared.report | {"mode": job.mode}
     report["energy_returned_to_core"] = prepared.composition.returned
     report["sum_before"] = picture_sums(job.picture)
     report["sum_after"] = picture_sums(out)
@@ -235,10 +239,14 @@ def refuse_words(job: GlareJob) -> None:
     Raises
     ------
     refuse.Refusal
-        Where its mode or its precision is unknown.
+        Where its mode or its precision is unknown, or what makes a kernel stands beside one that is made.
     """
     refuse.one_of("mode", job.mode, glare.MODES)
     refuse.one_of("precision", job.precision, ("single", "double"))
+    if job.kernel is not None:
+        sizes = {"kernel_size": job.kernel_size, "whole_kernel": job.whole_kernel or None, "field": job.field}
+        for name in (name for name, value in sizes.items() if value is not None):
+            raise refuse.Refusal(f"'{name}' does not go with 'kernel', whose file has it all.")
 
 
 def read_matte(path: Path, source: Picture) -> NDArray[np.float32]:
@@ -291,6 +299,26 @@ def picture_camera(job: GlareJob) -> Camera:
         rows, columns = header.display_window.height, header.display_window.width
         aspect = header.pixel_aspect
     return job.optics.camera((rows, columns), aspect, job.pixel_pitch)
+
+
+def _from_file(job: GlareJob, path: Path) -> PreparedGlare:
+    """Make a kernel ready that somebody has made, in the picture's own colours."""
+    given, _ = in_working_space(picture.read(path, memory=job.memory))
+    _, space = in_working_space(job.picture)
+    psf = light.convert(Picture(given.pixels[..., :3], given.colour_space), space)
+    pixels = psf.pixels
+    shape = pixels.shape[0], pixels.shape[1]
+    _refuse_memory(job, shape)
+    rows, columns = job.picture.pixels.shape[:2]
+    composition = glare.prepare(psf, (rows, columns), job.mode, precision=job.precision)
+    core = float(pixels[shape[0] // 2, shape[1] // 2].mean())
+    report = {
+        "kernel": str(path),
+        "kernel_size": [shape[1], shape[0]],
+        "energy_inside": float(pixels.sum(axis=(0, 1), dtype=np.float64).mean()),
+        "energy_in_core_pixel": core,
+    }
+    return PreparedGlare(job.optics.camera(), psf, composition, None, report)
 
 
 def _field(job: GlareJob, psf_from: Callable[[Camera], Iterator[Stage]]) -> Iterator[Stage]:

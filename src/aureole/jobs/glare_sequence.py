@@ -3,17 +3,17 @@
 import dataclasses
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from aureole import light, picture
-from aureole.jobs import frame_files
-from aureole.jobs.frames import FrameMaker, digest
-from aureole.jobs.glare import GlareJob, PreparedGlare, lay_over, prepared_glare, read_matte, refuse_words
-from aureole.jobs.glare_lights import GlareLights, lit_by
+from aureole import light, picture, presets
+from aureole.jobs.frames import FrameMaker, Pace, digest
+from aureole.jobs.glare import GlareJob, PreparedGlare, lay_over, prepared_glare, refuse_words
+from aureole.jobs.glare_lights import GlareLights
+from aureole.jobs.glare_sources import GlareSources
 from aureole.jobs.optics import Optics
 from aureole.records import Picture
 
@@ -29,15 +29,15 @@ class GlareMaker(FrameMaker):
     ----------
     job : GlareJob
         What to do; its picture and its matte are not looked at.
-    matte : Path, optional
-        Where mattes are: one for all frames, or a name with #### for the frame's number.
-    lights : GlareLights, optional
-        Which lights make glare; all light without it.
+    sources : GlareSources
+        Which light makes glare.
+    pace : Pace
+        When frames are, for what moves on the opening.
     """
 
     job: GlareJob
-    matte: Path | None = None
-    lights: GlareLights | None = None
+    sources: GlareSources = field(default_factory=GlareSources)
+    pace: Pace = field(default_factory=Pace)
 
     @classmethod
     def of(
@@ -45,6 +45,7 @@ class GlareMaker(FrameMaker):
         optics: Optics,
         matte: Path | None = None,
         lights: GlareLights | None = None,
+        pace: Pace | None = None,
         **options: Any,
     ) -> "GlareMaker":
         """Return the maker of a camera's glare.
@@ -54,8 +55,10 @@ class GlareMaker(FrameMaker):
         optics : Optics
             The camera.
         matte : Path, optional
-            As above.
+            Where mattes are: one for all frames, or a name with #### for the frame's number.
         lights : GlareLights, optional
+            Which lights make glare; all light without it.
+        pace : Pace, optional
             As above.
         **options : object
             Other fields of `GlareJob`.
@@ -66,20 +69,44 @@ class GlareMaker(FrameMaker):
             For a sequence's tasks.
         """
         nothing = Picture(np.zeros((1, 1, 3), dtype=np.float32))
-        return cls(GlareJob(nothing, optics, **options), matte, lights)
+        return cls(GlareJob(nothing, optics, **options), GlareSources(matte, lights), pace or Pace())
+
+    @property
+    def moves(self) -> bool:
+        """Whether something on the opening is elsewhere at another time."""
+        return self.job.optics.at(time=1.0) != self.job.optics
 
     def refuse(self) -> None:
         """Refuse, before any work, what no frame could be made with."""
         refuse_words(self.job)
         light.illuminant(self.job.illuminant)
-        self.job.optics.camera(pixel_pitch=self.job.pixel_pitch)
+        camera = self.job.optics.camera(pixel_pitch=self.job.pixel_pitch)
+        if self.job.field is not None:
+            self.job.field.all_rims(camera)
+        if self.job.kernel is not None:
+            picture.describe(self.job.kernel)
+        self.sources.refuse()
 
     def words(self) -> str:
         """Return what a frame's file says of itself, the same for the same job alone."""
-        files = [_contents(path) for path in _files(self.job.optics)]
-        matte = None if self.matte is None else str(self.matte)
-        lights = None if self.lights is None else self.lights.words()
-        return f"aureole glare {digest(_described(self.job), matte, files, lights)}"
+        held = [digest(path.read_bytes()) for path in _files(self.job)]
+        pace = self.pace if self.moves else None
+        return f"aureole glare {digest(_described(self.job), self.sources.words(), held, pace)}"
+
+    def inputs(self, number: int) -> tuple[Path, ...]:
+        """Return the files that belong to one frame besides its source.
+
+        Parameters
+        ----------
+        number : int
+            The frame's.
+
+        Returns
+        -------
+        tuple of Path
+            Its matte, where each has its own.
+        """
+        return self.sources.inputs(number)
 
     def make(self, source: Picture, number: int) -> tuple[Picture, dict[str, Any]]:
         """Return a frame from the picture of its source, and its plain numbers.
@@ -98,11 +125,9 @@ class GlareMaker(FrameMaker):
         report : dict
             Plain numbers.
         """
-        matte = None if self.matte is None else read_matte(_numbered(self.matte, number), source)
-        lit = lit_by(self.lights, source, number)
-        if lit is not None:
-            matte = lit if matte is None else matte * lit
-        job = dataclasses.replace(self.job, picture=source, matte=matte)
+        optics = self.job.optics.at(time=self.pace.time(number)) if self.moves else self.job.optics
+        matte = self.sources.of(source, number)
+        job = dataclasses.replace(self.job, picture=source, matte=matte, optics=optics)
         result = lay_over(job, _kernel(job))
         return result.picture, result.report
 
@@ -133,7 +158,10 @@ def _kernel(job: GlareJob) -> PreparedGlare:
     header = picture.header_of(job.picture)
     windows = header and (header.data_window, header.display_window, header.pixel_aspect)
     frame = (job.picture.pixels.shape[:2], job.picture.colour_space, windows)
-    return _kernels.get(digest(_described(job), frame), lambda: _finished(job))  # type: ignore[no-any-return]
+    # A worker lives longer than a job: a file may have changed since.
+    stamps = [(str(path), path.stat().st_mtime_ns) for path in _files(job)]
+    word = digest(_described(job), frame, stamps)
+    return _kernels.get(word, lambda: _finished(job))  # type: ignore[no-any-return]
 
 
 def _finished(job: GlareJob) -> PreparedGlare:
@@ -147,15 +175,12 @@ def _described(job: GlareJob) -> dict[str, Any]:
     return {f.name: getattr(job, f.name) for f in dataclasses.fields(job) if f.name not in PIXELS}
 
 
-def _files(optics: Optics) -> list[Path]:
-    """Return the files that a camera is described by; names of presets are none."""
-    named = [optics.preset, optics.iris, optics.opening.picture]
+def _files(job: GlareJob) -> list[Path]:
+    """Return the files that a kernel is described by; names of presets are none."""
+    optics = job.optics
+    named = [optics.preset, optics.iris, optics.opening.picture, job.kernel]
+    named.append(None if job.field is None else job.field.lens)
+    if optics.preset is not None:
+        camera: presets.CameraPreset = presets.load("cameras", optics.preset)
+        named.append(camera.iris)
     return [Path(name) for name in named if name is not None and Path(name).is_file()]
-
-
-def _contents(path: Path) -> str:
-    return digest(path.read_bytes())
-
-
-def _numbered(path: Path, number: int) -> Path:
-    return frame_files.frame(path, number) if frame_files.is_pattern(path) else path

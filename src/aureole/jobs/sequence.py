@@ -9,7 +9,7 @@ from typing import Any
 
 from aureole import picture, refuse
 from aureole.jobs import frame_files
-from aureole.jobs.frames import STATES, FrameMaker, FrameOutcome, FrameTask, run_frame
+from aureole.jobs.frames import STATES, FrameMaker, FrameOutcome, FrameTask, digest, run_frame
 from aureole.records import Stage
 
 # Takes tasks, gives their outcomes in any order as they come.
@@ -73,7 +73,7 @@ def sequence_tasks(
     target: Path,
     numbers: Iterable[int] | None,
     maker: FrameMaker,
-    words: str,
+    words: str | Callable[[int], str],
     reading: Mapping[str, Any] | None = None,
     writing: Mapping[str, Any] | None = None,
     overwrite: bool = False,
@@ -88,8 +88,9 @@ def sequence_tasks(
         The frames; all that are there otherwise.
     maker : FrameMaker
         What to do with each picture.
-    words : str
-        What the frames' files say of themselves, their number apart.
+    words : str or callable
+        What the frames' files say of themselves, their number and how they are read and written apart; a
+        callable takes the number.
     reading, writing : mapping, optional
         Options of `aureole.picture.read` and `aureole.picture.write`.
     overwrite : bool
@@ -107,13 +108,14 @@ def sequence_tasks(
         job, or a place cannot be written.
     """
     wanted = frame_files.found(source) if numbers is None else sorted(set(numbers))
+    handled = _handling(reading or {}, writing or {})
     tasks = tuple(
         FrameTask(
             number,
             frame_files.frame(source, number),
             frame_files.frame(target, number),
             maker,
-            f"{words}, frame {number}",
+            f"{words if isinstance(words, str) else words(number)} {handled}, frame {number}",
             dict(reading or {}),
             dict(writing or {}),
             overwrite,
@@ -158,6 +160,13 @@ def run_sequence(job: SequenceJob) -> Iterator[Stage]:
         yield Stage(len(outcomes) / count, words, outcome)
     outcomes.sort(key=lambda outcome: outcome.number)
     yield Stage(1.0, f"{count} frames", SequenceResult(tuple(outcomes), _report(outcomes)))
+
+
+def _handling(reading: Mapping[str, Any], writing: Mapping[str, Any]) -> str:
+    """Return a word that differs where frames are read or written otherwise; memory changes no pixel."""
+    options = {name: value for name, value in reading.items() if name != "memory"}
+    held = [digest(path.read_bytes()) for path in options.values() if isinstance(path, Path)]
+    return digest(sorted(options.items()), sorted(writing.items()), held)
 
 
 def _report(outcomes: Sequence[FrameOutcome]) -> dict[str, Any]:
