@@ -30,12 +30,14 @@ def shot(folder, count=5, first=1001):
 
 
 def words(folder, *more):
+    # Neither an eye nor a kernel from a file has a camera's pixels.
+    look = [] if {"--eye", "--kernel"} & set(more) else LOOK
     return [
         "glare",
         str(folder / "shot.####.exr"),
         "-o",
         str(folder / "out.####.exr"),
-        *LOOK,
+        *look,
         *map(str, more),
     ]
 
@@ -145,13 +147,17 @@ def test_frames_of_another_job_are_not_replaced(tmp_path, capsys):
     [
         (["--animate", "2s"], "'animate' does not go with a sequence"),
         (["--preview", "a.png"], "'preview' is for one picture"),
-        (["--fps", "12"], "'fps' needs 'video'"),
+        (["--fps", "12"], "'fps' needs 'video', an eye"),
+        (["--first-frame", "1"], "'first-frame' needs an eye"),
         (["--video", "a.avi"], "'video' must end in .mp4"),
         (["--frames", "5-1"], "'frames' must be frames such as"),
         (["--mode", "soften"], "'mode' must be one of"),
         (["--illuminant", "moon"], "illuminant"),
         (["--blades", "2"], "'blades' must be"),
-        (["--eye"], "sequences of pictures are for cameras"),
+        (["--eye", "--photosafe"], "'photosafe' does not go with a sequence"),
+        (["--eye", "--f-number", "8"], "'f-number' is of cameras"),
+        (["--kernel", "k.exr", "--blades", "5"], "does not go with --kernel"),
+        (["--kernel", "k.exr"], "k.exr"),
     ],
 )
 def test_what_no_frame_could_be_made_with_is_refused_before_work(tmp_path, capsys, more, said):
