@@ -107,12 +107,20 @@ def rasterize(aperture: Aperture, size: int) -> NDArray[np.float32]:
         return _resample(aperture.mask, size)
     pixel = aperture.width / size
     total = np.zeros((size, size))
+    alike: dict[float, list[NDArray[np.float64]]] = {}
     for ring in aperture.outlines:
         points = chords(ring, CHORD_TOLERANCE * pixel) / pixel + size / 2
-        coverage = np.zeros((size, size + 2))
-        _kernels.accumulate_edges(np.ascontiguousarray(points), coverage)
-        covered = np.cumsum(coverage, axis=1)[:, :size]
-        total += ring.transmittance * orientation(ring) * covered
+        alike.setdefault(ring.transmittance * orientation(ring), []).append(points)
+    # Rings of one weight are summed along the rows at once, and only along rows that they reach.
+    for weight, rings in alike.items():
+        heights = np.concatenate([points[:, 1] for points in rings])
+        top, bottom = (int(np.clip(edge, 0, size)) for edge in (heights.min(), np.ceil(heights.max())))
+        coverage = np.zeros((bottom - top, size + 2))
+        for points in rings:
+            _kernels.accumulate_edges(points - np.array([0.0, top]), coverage)
+        np.cumsum(coverage, axis=1, out=coverage)
+        coverage *= weight
+        total[top:bottom] += coverage[:, :size]
     # Running sums end a rounding error off zero; a pixel without light must be exactly dark.
     total[total < ROUNDING] = 0
     return np.minimum(total, 1).astype(np.float32)

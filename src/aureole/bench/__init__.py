@@ -26,6 +26,7 @@ tile_tables         its Tables 2 to 8 as printed, and their columns
 tile_systems        its lenses, lights and grids of rays
 tile_measures       one lens with one light or two
 tile_whole          whole pictures against fine grids
+area_light        many samples of a light behind occluders: few transforms for all, and one each
 eye               the eye thesis's bench, and which of these belongs to it:
 eye_frames          its Figures 4.1 and 4.2, and its memory
 eye_patterns        patterns from scratch, their sum, and CIE 135
@@ -46,6 +47,7 @@ timing            runs in turn, medians, the environment
 report            tables and reports
 """
 
+from aureole.bench.area_light import AreaLightBench, run_area_light
 from aureole.bench.eye import EyeBench, run_eye
 from aureole.bench.flare_peers import FlarePeersBench, run_flare_peers
 from aureole.bench.near_field import NearFieldBench, run_near_field
@@ -56,6 +58,7 @@ from aureole.bench.surface import SurfaceBench, run_surface
 from aureole.bench.tile_paper import TilePaperBench, run_tile_paper
 
 __all__ = [
+    "AreaLightBench",
     "Column",
     "EyeBench",
     "FlarePeersBench",
@@ -67,6 +70,7 @@ __all__ = [
     "Table",
     "TilePaperBench",
     "plain",
+    "run_area_light",
     "run_eye",
     "run_flare_peers",
     "run_near_field",

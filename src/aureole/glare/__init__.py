@@ -8,6 +8,8 @@ camera      cameras, and their point spread functions
 camera_field  a camera's glare that changes over the frame
 kernel      fading, non-negative kernels, what other programs expect
 area_light  lights with a size behind what hides parts of them: powers of their points, added up
+power_sums  powers of many openings added up: a transform each, few for all, or from change to change
+coherent_modes  few fields that stand for those of many openings that differ little
 area_psf    the same in colour on a camera's pixels, and as a picture of the lamp with its glare
 composite   replace, scatter, add and bloom
 bloom       glare from box to box of a few pixels, for speed; how far it is from the full one
@@ -50,8 +52,8 @@ from aureole.glare.area_light import (
     AreaLight,
     AreaPower,
     LightSamples,
-    PowerSum,
     area_power,
+    difference,
     light_samples,
     sample_openings,
 )
@@ -97,6 +99,7 @@ from aureole.glare.lamp_files import LampList, read_lamps, write_lamps
 from aureole.glare.lamp_matte import lamp_matte, lit_about
 from aureole.glare.lamps import MOST_LAMPS, Lamp, find_lamps, lamp_threshold, luminances
 from aureole.glare.photosafe import FlashLimiter, flash_measures, flashes
+from aureole.glare.power_sums import ModeSum, PowerSum, Summing, TransformSum, power_sum
 from aureole.glare.real_time import RealTimeGlare
 from aureole.glare.sources import KNEES, above_knee
 from aureole.glare.tracks import PATIENCE, LampTracker, Sighting, lasting, track_lamps
@@ -129,10 +132,13 @@ __all__ = [
     "LampList",
     "LampTracker",
     "LightSamples",
+    "ModeSum",
     "Population",
     "PowerSum",
     "RealTimeGlare",
     "Sighting",
+    "Summing",
+    "TransformSum",
     "above_knee",
     "adapted",
     "adapted_after",
@@ -158,6 +164,7 @@ __all__ = [
     "composite",
     "corona_layers",
     "encircled_energy",
+    "difference",
     "eye_aperture",
     "eye_composite",
     "eye_field",
@@ -195,6 +202,7 @@ __all__ = [
     "pattern_field",
     "pattern_shape",
     "populations",
+    "power_sum",
     "prepare",
     "pupil",
     "pupil_diameter",

@@ -2,8 +2,8 @@
 
 Every sample of the light sees another part of the opening, and spreads its light as the far field of that
 part (quad paper §4.4, §6.1). Powers of samples add up, since different points of a lamp are not coherent.
-Each sample's opening differs little from its neighbour's: samples follow each other as a snake goes through
-the light, and `ProgressiveFarField` transforms the change alone.
+Each sample's opening differs little from its neighbour's, so few transforms can do for all (`power_sums`):
+samples follow each other as a snake goes through the light.
 
 A sample's power is weighed by the opening's whole energy, not by its own: what is hidden is missing, and the
 sum holds the visible part of the light.
@@ -11,14 +11,15 @@ sum holds the visible part of the light.
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aureole import aperture as apertures
-from aureole import diffraction, refuse
+from aureole import refuse
 from aureole.aperture import Occluder
+from aureole.glare.power_sums import power_sum
 from aureole.records import Aperture, Grid
 
 # Parts of a sample's cell along each axis that find how much of the light it holds, and where.
@@ -82,13 +83,20 @@ class AreaPower:
         How many points of the light were taken.
     error : float
         How far the power is from that of the next coarser samples, sum of absolute differences over the
-        sum; NaN never: 0 where their number was given and nothing was compared.
+        sum; 0 where their number was given and nothing was compared.
+    transforms : int
+        How many far fields were taken.
+    estimated : float
+        Share of the light whose spread was estimated, 0..1: the power's mean absolute difference from that
+        of a transform for each sample is at most this part of it.
     """
 
     power: NDArray[np.float32]
     visible: float
     samples: int
     error: float = 0.0
+    transforms: int = 0
+    estimated: float = 0.0
 
 
 def light_samples(light: AreaLight, across: int) -> LightSamples:
@@ -176,6 +184,7 @@ def area_power(
     across: int | None = None,
     tolerance: float = 0.01,
     size: int = RASTER_SIZE,
+    method: str = "auto",
 ) -> AreaPower:
     """Return the mean far-field power of an opening over the points of a light behind occluders.
 
@@ -192,10 +201,14 @@ def area_power(
     across : int, optional
         Samples across the light; without it as many as the tolerance needs, 33 at most.
     tolerance : float
-        Sum of absolute differences from half as many samples across, over the sum: finer samples are taken
-        until the power differs by less.
+        Sum of absolute differences over the sum. Without a number of samples, finer ones are taken until the
+        power differs by less from that of half as many across. Method "modes" may estimate the spread of
+        half this share of the light.
     size : int
         Pixels a side of the openings' rasters.
+    method : str
+        "transforms", a transform for each sample; "progressive", each from its neighbour's change (quad paper
+        §4.3); "modes", few transforms for all, to the tolerance; "auto", modes unless samples are few.
 
     Returns
     -------
@@ -207,15 +220,14 @@ def area_power(
     refuse.Refusal
         Where a number does not fit.
     """
-    if across is not None:
-        return _summed_power(opening, occluders, light, grid, across, size)
     refuse.positive("tolerance", tolerance)
-    before = _summed_power(opening, occluders, light, grid, STEPS[0], size)
+    if across is not None:
+        return _summed_power(opening, occluders, light, grid, across, tolerance, size, method)
+    before = _summed_power(opening, occluders, light, grid, STEPS[0], tolerance, size, method)
     for count in STEPS[1:]:
-        found = _summed_power(opening, occluders, light, grid, count, size)
-        error = difference(found.power, before.power)
-        before = AreaPower(found.power, found.visible, found.samples, error)
-        if error <= tolerance:
+        found = _summed_power(opening, occluders, light, grid, count, tolerance, size, method)
+        before = replace(found, error=difference(found.power, before.power))
+        if before.error <= tolerance:
             break
     return before
 
@@ -243,84 +255,24 @@ def _summed_power(
     light: AreaLight,
     grid: Grid,
     across: int,
+    tolerance: float,
     size: int,
+    method: str,
 ) -> AreaPower:
-    """Sum the powers of the samples' openings, each transformed from its neighbour's change."""
+    """Sum the powers of the samples' openings."""
     samples = light_samples(light, across)
     whole = apertures.energy(Aperture(opening.width, mask=apertures.rasterize(opening, size)))
     visible = 0.0
-    total = PowerSum(grid, size)
+    total = power_sum(method, grid, size, min(tolerance / 2, 1.0), len(samples.weights))
     for weight, seen in sample_openings(opening, occluders, light, samples, size):
         if seen is not None:
             visible += weight * apertures.energy(seen) / whole
             total.add(seen, weight)
-    return AreaPower(total.result(), min(visible, 1.0), len(samples.weights))
-
-
-class PowerSum:
-    """The weighed sum of the powers of openings that differ little from one to the next.
-
-    Parameters
-    ----------
-    grid : Grid
-        Frequencies in cycles per metre.
-    size : int
-        Pixels a side of the openings.
-
-    Raises
-    ------
-    refuse.Refusal
-        Where the grid or the size does not fit.
-    """
-
-    def __init__(self, grid: Grid, size: int = RASTER_SIZE) -> None:
-        self._running = diffraction.ProgressiveFarField(grid, size)
-        # On a grid about zero the upper half says all, but for the first column of even grids.
-        rows, columns = grid.shape
-        self._half = rows // 2 + 1 if grid.centre == (0.0, 0.0) else rows
-        self._total = np.zeros(grid.shape, dtype=np.float32)
-        self._lone = np.s_[self._half :, : 1 - columns % 2]
-        self._last: NDArray[np.float32] | None = None
-        self._waiting = 0.0
-
-    def add(self, opening: Aperture, weight: float) -> None:
-        """Add an opening's power.
-
-        Parameters
-        ----------
-        opening : Aperture
-            A raster; one that is the very one before is not transformed again.
-        weight : float
-            Of its power.
-        """
-        assert opening.mask is not None
-        if self._last is None or not np.array_equal(self._last, opening.mask):
-            self._settle()
-            self._running.update(opening)
-            self._last = opening.mask
-        self._waiting += weight
-
-    def result(self) -> NDArray[np.float32]:
-        """Return the sum so far.
-
-        Returns
-        -------
-        ndarray of float32, shape (rows, columns)
-            A copy.
-        """
-        self._settle()
-        out = self._total.copy()
-        rows, columns = out.shape
-        first = 1 - columns % 2
-        lower = out[self._half :, first:]
-        # Row r is the mirror image of row 2 (rows // 2) − r.
-        lower[...] = out[2 * (rows // 2) - np.arange(self._half, rows)][:, first:][:, ::-1]
-        return out
-
-    def _settle(self) -> None:
-        """Add the running power as often as it was asked for."""
-        if self._waiting:
-            power, weight = self._running.power(), np.float32(self._waiting)
-            self._total[: self._half] += weight * power[: self._half]
-            self._total[self._lone] += weight * power[self._lone]
-        self._waiting = 0.0
+    power = total.result()
+    return AreaPower(
+        power,
+        min(visible, 1.0),
+        len(samples.weights),
+        transforms=total.transforms,
+        estimated=total.estimated,
+    )
