@@ -205,7 +205,7 @@ def by_method(painted: list[Aperture], method: str, tolerance: float) -> glare.S
 
     Returns
     -------
-    Summing
+    TransformSum, ModeSum or PowerSum
         With the mean for its result, at the transform's own frequencies.
     """
     assert painted[0].mask is not None

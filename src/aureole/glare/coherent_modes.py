@@ -132,8 +132,8 @@ def _bands(masks: Sequence[F32], weights: F64) -> list[_Band]:
             np.logical_or(differ, here, out=differ)
         places = np.flatnonzero(differ)
         values = np.empty((len(masks), len(places)), dtype=np.float32)
-        for each, row in zip(masks, values, strict=True):
-            np.take(each[rows].reshape(-1), places, out=row, mode="clip")
+        for mask, row in zip(masks, values, strict=True):
+            np.take(mask[rows].reshape(-1), places, out=row, mode="clip")
         mean = masks[0][rows].copy()
         middle = shares @ values
         mean.reshape(-1)[places] = middle

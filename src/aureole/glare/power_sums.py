@@ -6,7 +6,6 @@ progressive  each opening from the one before, by the change alone (quad paper Â
 """
 
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,24 +20,6 @@ F32 = NDArray[np.float32]
 MOST_BYTES, FEWEST = 2**29, 16
 # Fewer openings than these are transformed one by one by "auto".
 FEW = 6
-
-
-class Summing(Protocol):
-    """A sum that openings are added to."""
-
-    @property
-    def transforms(self) -> int:
-        """Transforms so far."""
-
-    @property
-    def estimated(self) -> float:
-        """Share of the light so far whose spread was estimated."""
-
-    def add(self, opening: Aperture, weight: float) -> None:
-        """Add a raster's power, times a weight."""
-
-    def result(self) -> F32:
-        """Return the sum so far."""
 
 
 class TransformSum:
@@ -266,6 +247,7 @@ class PowerSum:
         self._waiting = 0.0
 
 
+Summing = TransformSum | ModeSum | PowerSum
 METHODS: dict[str, Callable[[Grid, int, float], Summing]] = {
     "transforms": lambda grid, size, tolerance: TransformSum(grid),
     "modes": lambda grid, size, tolerance: ModeSum(grid, tolerance),
@@ -291,7 +273,7 @@ def power_sum(method: str, grid: Grid, size: int, tolerance: float, count: int) 
 
     Returns
     -------
-    Summing
+    TransformSum, ModeSum or PowerSum
         Without light yet.
 
     Raises
