@@ -82,7 +82,7 @@ class GlareMaker(FrameMaker):
         light.illuminant(self.job.illuminant)
         camera = self.job.optics.camera(pixel_pitch=self.job.pixel_pitch)
         if self.job.field is not None:
-            self.job.field.all_rims(camera)
+            self.job.field.housing(camera)
         if self.job.kernel is not None:
             picture.describe(self.job.kernel)
         self.sources.refuse()
