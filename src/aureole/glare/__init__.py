@@ -97,6 +97,7 @@ from aureole.glare.glare_frames import pattern_field, pattern_shape
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
 from aureole.glare.lamp_files import LampList, read_lamps, write_lamps
 from aureole.glare.lamp_matte import lamp_matte, lit_about
+from aureole.glare.lamp_layer import LampPatch, lamp_layer, lamp_patch, lamp_reach
 from aureole.glare.lamps import MOST_LAMPS, Lamp, find_lamps, lamp_threshold, luminances
 from aureole.glare.photosafe import FlashLimiter, flash_measures, flashes
 from aureole.glare.power_sums import ModeSum, PowerSum, Summing, TransformSum, power_sum
@@ -104,6 +105,7 @@ from aureole.glare.real_time import RealTimeGlare
 from aureole.glare.sources import KNEES, above_knee
 from aureole.glare.tracks import PATIENCE, LampTracker, Sighting, lasting, track_lamps
 from aureole.glare.veil import cie_135, cie_146, hemisphere_energy, spencer, stiles_holladay
+from aureole.glare.visibility import visibility
 
 __all__ = [
     "BORDERS",
@@ -130,6 +132,7 @@ __all__ = [
     "FreshGlare",
     "Lamp",
     "LampList",
+    "LampPatch",
     "LampTracker",
     "LightSamples",
     "ModeSum",
@@ -185,8 +188,11 @@ __all__ = [
     "flipbook_error",
     "hemisphere_energy",
     "kernel_for",
+    "lamp_layer",
     "lamp_matte",
+    "lamp_patch",
     "lamp_picture",
+    "lamp_reach",
     "lamp_threshold",
     "lasting",
     "light_samples",
@@ -219,5 +225,6 @@ __all__ = [
     "tangent_pitch",
     "track_lamps",
     "vignette",
+    "visibility",
     "write_lamps",
 ]

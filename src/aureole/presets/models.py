@@ -13,6 +13,7 @@ from aureole.presets.eye_model import EyePreset
 from aureole.presets.grating_model import GratingPreset
 from aureole.presets.job_model import JobPreset
 from aureole.presets.lens_model import GlassCatalogue, LensPreset
+from aureole.presets.scene_model import ScenePreset
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -91,6 +92,7 @@ KINDS: dict[str, type[BaseModel]] = {
     "irises": IrisPreset,
     "jobs": JobPreset,
     "lenses": LensPreset,
+    "scenes": ScenePreset,
 }
 
 
@@ -145,6 +147,26 @@ def load(kind: str, name: str) -> Any:
     except (OSError, ValueError) as error:
         raise refuse.Refusal(f"'{name}' cannot be read: {_reason(error)}.") from None
     return check(kind, _toml(text, name), name)
+
+
+def path(kind: str, name: str) -> Path:
+    """Return where a preset's file lies.
+
+    Parameters
+    ----------
+    kind : str
+        One of `KINDS`.
+    name : str
+        A shipped preset's name, or a path that ends in ".toml".
+
+    Returns
+    -------
+    Path
+        Not looked at.
+    """
+    if name not in names(kind):
+        return Path(name)
+    return Path(str(resources.files("aureole.presets"))) / kind / f"{name}.toml"
 
 
 def check(kind: str, data: Mapping[str, Any], where: str) -> Any:
