@@ -18,7 +18,7 @@ from aureole.glare.camera import pupil
 from aureole.records import Aperture, Camera
 
 # Cells of the occluder's plane across the opening's shape, at least, and a side at most.
-FINE, MOST_CELLS = 24, 6000
+FINE, MOST_CELLS = 40, 6000
 
 
 def visibility(

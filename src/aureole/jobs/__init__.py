@@ -14,6 +14,9 @@ flare           the ghosts of a lens and the starbursts, for given lights, on bl
 flare_lights    its lights as people give them, measured or found in the picture
 lights          the lights that pictures show, found in one or followed through a shot
 glare_lights    which lights of a picture make glare: all that are bright, or those of a file
+scene           lamps and occluders as a file describes them, where they are at a frame
+lamp_glare      a frame of such a scene: each lamp seen in part, with the glare of that part
+lamp_frames     many of its frames
 lights_preview  a picture with its lights marked
 flare_starburst its starbursts, where each light stands
 eye             what a point of light looks like to an eye, at a time or through time
@@ -75,6 +78,8 @@ from aureole.jobs.glare_field import LENS_RIMS, GlareField
 from aureole.jobs.glare_lights import GlareLights, lights_of_frame, lit_by
 from aureole.jobs.glare_sequence import GlareMaker
 from aureole.jobs.glare_sources import GlareSources
+from aureole.jobs.lamp_frames import LampMaker, lamp_tasks
+from aureole.jobs.lamp_glare import LampGlareJob, LampGlareResult
 from aureole.jobs.lens import lens_list, lens_report
 from aureole.jobs.lens_drawing import check_drawing, write_drawing
 from aureole.jobs.lens_ghosts import lens_ghosts
@@ -103,6 +108,7 @@ from aureole.jobs.near_texture import NearTextureJob, NearTextureResult
 from aureole.jobs.optics import Opening, Optics
 from aureole.jobs.page import check_page, write_page
 from aureole.jobs.run import finish, run
+from aureole.jobs.scene import SceneFile, read_scene
 from aureole.jobs.sequence import SequenceJob, SequenceResult, sequence_tasks
 from aureole.jobs.sequence_video import video_stages
 from aureole.jobs.starburst import StarburstJob, StarburstResult
@@ -163,6 +169,9 @@ __all__ = [
     "GlareResult",
     "GlareSources",
     "Lamp",
+    "LampGlareJob",
+    "LampGlareResult",
+    "LampMaker",
     "LightsJob",
     "LightsResult",
     "LostFrame",
@@ -179,6 +188,7 @@ __all__ = [
     "Optics",
     "Pace",
     "PupilMeasures",
+    "SceneFile",
     "SequenceJob",
     "SequenceResult",
     "StarburstJob",
@@ -204,6 +214,7 @@ __all__ = [
     "grating_titles",
     "heights_from_file",
     "is_table",
+    "lamp_tasks",
     "lens_ghosts",
     "lens_list",
     "lens_report",
@@ -217,6 +228,7 @@ __all__ = [
     "read_matte",
     "read_pixels",
     "read_plane",
+    "read_scene",
     "render_exposure",
     "run",
     "run_frame",

@@ -214,6 +214,10 @@ class Pace:
 class FrameMaker(ABC):
     """Makes frames of a sequence; plain values, so that it can be sent to other processes."""
 
+    def read(self, path: Path, options: Mapping[str, Any]) -> Picture:
+        """Return the picture that a frame is made of, from its file and options of `aureole.picture.read`."""
+        return picture.read(path, **options)
+
     @abstractmethod
     def make(self, source: Picture, number: int) -> tuple[Picture, dict[str, Any]]:
         """Return a frame from the picture and number of its source, and its plain numbers."""
@@ -339,7 +343,7 @@ def run_frame(task: FrameTask) -> FrameOutcome:
 
 def _made(task: FrameTask) -> tuple[tuple[str, ...], dict[str, Any]]:
     """Make a frame's file; return notes and numbers."""
-    source = picture.read(task.source, **task.reading)
+    source = task.maker.read(task.source, task.reading)
     made, report = task.maker.make(source, task.number)
     words = {"ImageDescription": picture.Attribute("string", task.description)}
     written = picture.write(task.target, picture.with_attributes(made, words), **task.writing)

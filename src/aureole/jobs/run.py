@@ -12,6 +12,7 @@ from aureole.jobs import (
     eye_glare_frames,
     flare,
     glare,
+    lamp_glare,
     lights,
     near_field,
     near_sweep,
@@ -46,6 +47,7 @@ run.register(glare.GlareJob, glare.run_glare)
 run.register(starburst.StarburstJob, starburst.run_starburst)
 run.register(aperture.ApertureJob, aperture.run_aperture)
 run.register(flare.FlareJob, flare.run_flare)
+run.register(lamp_glare.LampGlareJob, lamp_glare.run_lamp_glare)
 run.register(lights.LightsJob, lights.run_lights)
 run.register(near_field.NearFieldJob, near_field.run_near_field)
 run.register(near_sweep.NearSweepJob, near_sweep.run_near_sweep)

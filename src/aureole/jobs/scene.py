@@ -132,7 +132,7 @@ def read_scene(name: str) -> SceneFile:
         Where the file cannot be read, or something in it does not fit.
     """
     scene: presets.ScenePreset = presets.load("scenes", name)
-    path = Path(presets.path("scenes", name))
+    path = presets.path("scenes", name).absolute()
     file = SceneFile(scene, path.parent, path)
     _optics(scene.camera).camera((scene.rows, scene.columns))
     for index, lamp in enumerate(scene.lamps):

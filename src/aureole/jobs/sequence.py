@@ -83,7 +83,7 @@ def sequence_tasks(
     Parameters
     ----------
     source, target : Path
-        Names with #### for the frame's number: pictures in, pictures out.
+        Names with #### for the frame's number: pictures in, pictures out. All frames may be made of one file.
     numbers : iterable of int, optional
         The frames; all that are there otherwise.
     maker : FrameMaker
@@ -112,7 +112,7 @@ def sequence_tasks(
     tasks = tuple(
         FrameTask(
             number,
-            frame_files.frame(source, number),
+            frame_files.frame(source, number) if frame_files.is_pattern(source) else source,
             frame_files.frame(target, number),
             maker,
             f"{words if isinstance(words, str) else words(number)} {handled}, frame {number}",
