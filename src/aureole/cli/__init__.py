@@ -10,6 +10,7 @@ eye       the command `aureole eye`
 eye_runs  running the eye's jobs and writing their files
 flare     the command `aureole flare`
 lens      the commands `aureole lens`
+lamp_glare the command `aureole lights glare`
 surface   the commands `aureole surface`
 surface_measure  the command `aureole surface measure`
 surface_export  the command `aureole surface export`

@@ -12,6 +12,7 @@ from aureole.cli import (
     flare,
     glare,
     job_commands,
+    lamp_glare,
     lens,
     lights,
     nearfield,
@@ -33,6 +34,7 @@ app = typer.Typer(
 )
 app.add_typer(bench.app, name="bench")
 app.add_typer(lens.app, name="lens")
+lights.app.command()(lamp_glare.glare)
 app.add_typer(lights.app, name="lights")
 app.add_typer(surface.app, name="surface")
 

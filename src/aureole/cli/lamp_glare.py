@@ -79,7 +79,9 @@ def glare(
     sequence: SequenceFlags,
     frame: Annotated[
         float | None,
-        typer.Option("--frame", help="Of one picture: which frame, such as 12 or 12.5.", rich_help_panel=FILES),
+        typer.Option(
+            "--frame", help="Of one picture: which frame, such as 12 or 12.5.", rich_help_panel=FILES
+        ),
     ] = None,
     size: Annotated[
         str | None,
@@ -104,7 +106,9 @@ def glare(
     raster: Annotated[
         int,
         typer.Option(
-            "--raster", help="Pixels across the opening, where an occluder is a picture.", rich_help_panel=SAMPLES
+            "--raster",
+            help="Pixels across the opening, where an occluder is a picture.",
+            rich_help_panel=SAMPLES,
         ),
     ] = RASTER_SIZE,
     preview: options.Preview = None,

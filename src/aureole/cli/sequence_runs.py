@@ -96,7 +96,7 @@ class Sequence:
     def check(self, moves: bool) -> None:
         """Refuse flags of single pictures and of animations, and files that could not be written."""
         for name in given(self.moving):
-            if name not in ("frames", "overwrite", "fps"):
+            if name not in ("frames", "overwrite", "fps", "contact-sheet"):
                 raise refuse.Refusal(f"'{name}' does not go with a sequence of pictures.")
         for name in ("psf", "preview"):
             if getattr(self.files, name) is not None:
@@ -112,6 +112,7 @@ class Sequence:
             raise refuse.Refusal("'first-frame' needs an eye, or dirt that moves; nothing else has a time.")
         if self.flags.video is not None:
             picture.writable(picture.check_video(self.flags.video))
+        output.places(self.moving.contact_sheet)
         if self.flags.log is not None:
             picture.writable(self.flags.log)
         self.flags.crew()
@@ -253,6 +254,9 @@ def make(title: str, asked: Sequence, tasks: tuple[jobs.FrameTask, ...], as_json
     if asked.flags.video is not None and there:
         output.follow(jobs.video_stages(there, asked.flags.video, asked.moving.rate()))
         written.append(asked.flags.video)
+    if asked.moving.contact_sheet is not None and there:
+        output.write_display(asked.moving.contact_sheet, output.follow(jobs.sheet_stages(there)))
+        written.append(asked.moving.contact_sheet)
     failures = result.failures()
     output.say_notes(_told(failures))
     report = dict(result.report)

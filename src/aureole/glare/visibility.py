@@ -72,8 +72,8 @@ def _past(
     opening: Aperture,
     occluder: Occluder,
     distance: float,
-    down: NDArray[np.float64],
-    right: NDArray[np.float64],
+    down: NDArray[np.floating],
+    right: NDArray[np.floating],
     pitch: float,
 ) -> NDArray[np.float32]:
     """Blur an occluder's silhouette by the opening's shape in its plane, and look directions up."""

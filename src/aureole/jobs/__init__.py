@@ -29,6 +29,7 @@ frame_files     numbered files: names with #### for the number, lists of frames,
 sequence        frames of a sequence from files to files, whatever befalls one of them
 glare_sequence  a camera's glare on each frame of a sequence, its kernel made once
 sequence_video  a sequence as a video to look at
+sequence_sheet  its frames made small, on one sheet
 eye_preview     a point spread function of an eye drawn with degrees
 viewer          an eye as people describe it, and the light that it is adapted to
 measures        a pupil's transfer functions, Strehl ratio and encircled energy, on the sensor
@@ -110,6 +111,7 @@ from aureole.jobs.page import check_page, write_page
 from aureole.jobs.run import finish, run
 from aureole.jobs.scene import SceneFile, read_scene
 from aureole.jobs.sequence import SequenceJob, SequenceResult, sequence_tasks
+from aureole.jobs.sequence_sheet import sheet_stages
 from aureole.jobs.sequence_video import video_stages
 from aureole.jobs.starburst import StarburstJob, StarburstResult
 from aureole.jobs.surface import SurfaceTableJob, SurfaceTableResult, order_rows
@@ -233,6 +235,7 @@ __all__ = [
     "run",
     "run_frame",
     "sequence_tasks",
+    "sheet_stages",
     "shot_threshold",
     "shown_corner",
     "shown_lamps",

@@ -53,8 +53,8 @@ class LampMaker(FrameMaker):
 
     def words(self) -> str:
         """Return what a frame's file says of itself, the same for the same scene and flags alone."""
-        named = [each.file for each in (*self.file.scene.lamps, *self.file.scene.occluders)]
-        still = [self.file.folder / name for name in named if name is not None]
+        # Those with a number in their names may change from frame to frame.
+        still = [self.file.folder / name for name in self.file.names()]
         contents = [digest(path.read_bytes()) for path in still if path.is_file()]
         numbers = (self.shape, self.samples, self.tolerance, self.raster)
         return f"aureole lights glare {digest(self.file.scene.model_dump(), numbers, contents)}"

@@ -1,4 +1,4 @@
-"""Lamps behind occluders: one frame of a scene, each lamp seen in part and spread by the part of the iris it sees.
+"""Lamps behind occluders: one frame of a scene, each lamp seen in part, with the glare of that part.
 
 Each lamp's glare is that of the openings that its points see past the occluders (quad paper §4.4, §6.1). The
 occluders themselves lie over the background as soft as they are out of focus.
@@ -201,7 +201,7 @@ def _spread(
     """Make a lamp's point spread function, or recall it from a frame on which nothing was different."""
     before = [each for each in scene.occluders if each.occluder.distance < lamp.light.distance]
     raster = job.raster if _needs_raster(scene, before) else None
-    shape = glare.lamp_reach(patch, scene.camera.resolution)
+    shape = _kernel_shape(scene, lamp, patch)
     spectrum = light.illuminant(lamp.illuminant)
 
     def made() -> Iterator[Stage]:
@@ -218,7 +218,9 @@ def _spread(
         )
 
     toward = lamp.light.toward if before else ()
-    views = [(_shape_words(each.occluder.shape), each.occluder.distance, each.occluder.place) for each in before]
+    views = [
+        (_shape_words(each.occluder.shape), each.occluder.distance, each.occluder.place) for each in before
+    ]
     camera = [getattr(scene.camera, field.name) for field in dataclasses.fields(scene.camera)[:-1]]
     word = digest(
         camera,
@@ -229,6 +231,15 @@ def _spread(
         (job.samples, job.tolerance, raster),
     )
     yield from _spreads.stages(word, made)
+
+
+def _kernel_shape(scene: SceneAt, lamp: LampAt, patch: glare.LampPatch) -> tuple[int, int]:
+    """Return the size of a lamp's point spread function; before all occluders one serves wherever it goes."""
+    needed = glare.lamp_reach(patch, scene.camera.resolution)
+    if any(each.occluder.distance < lamp.light.distance for each in scene.occluders):
+        return needed
+    rows, columns = scene.camera.resolution
+    return max(needed[0], 2 * rows - 1), max(needed[1], 2 * columns - 1)
 
 
 def _shape_words(shape: Aperture) -> list[Any]:
@@ -271,7 +282,7 @@ _spreads = _Spreads()
 def _refuse_memory(job: LampGlareJob, scene: SceneAt, patches: Sequence[glare.LampPatch]) -> None:
     """Refuse lamps whose glare would not fit, before any work."""
     rows, columns = scene.camera.resolution
-    shapes = [glare.lamp_reach(patch, (rows, columns)) for patch in patches]
+    shapes = [_kernel_shape(scene, *each) for each in zip(scene.lamps, patches, strict=True)]
     largest = max(shapes, key=lambda shape: shape[0] * shape[1])
     needed = BYTES_PER_KERNEL_PIXEL * largest[0] * largest[1] + BYTES_PER_PIXEL * rows * columns
     needed += 12 * (len(patches) * rows * columns + min(KEPT, len(patches)) * largest[0] * largest[1])
@@ -279,5 +290,6 @@ def _refuse_memory(job: LampGlareJob, scene: SceneAt, patches: Sequence[glare.La
     if needed > limit:
         raise refuse.Refusal(
             f"glare that reaches over {largest[1]} x {largest[0]} pixels on {columns} x {rows} pixels needs "
-            f"about {needed / 1e9:.3g} GB of memory, {limit / 1e9:.3g} GB are allowed; see --memory and --size."
+            f"about {needed / 1e9:.3g} GB of memory, {limit / 1e9:.3g} GB are allowed; see --memory and "
+            "--size."
         )

@@ -1,5 +1,6 @@
 """Scenes as people describe them: where their lamps and occluders are at a frame, as records of physics."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -107,6 +108,12 @@ class SceneFile:
     folder: Path
     path: Path
 
+    def names(self) -> list[str]:
+        """Return the names of the files that the scene is made of."""
+        lamps = [lamp.file for lamp in self.scene.lamps]
+        occluders = [occluder.file for occluder in self.scene.occluders]
+        return [name for name in (self.scene.background.file, *lamps, *occluders) if name is not None]
+
     def named(self, file: str, frame: float) -> Path:
         """Return the path of a file that the scene names, at a frame."""
         path = self.folder / file
@@ -187,26 +194,6 @@ def scene_at(file: SceneFile, frame: float, shape: tuple[int, int] | None = None
     return SceneAt(camera, lamps, tuple(occluders), background)
 
 
-def scene_files(file: SceneFile, frame: float) -> list[Path]:
-    """Return the files that a frame of a scene is made of.
-
-    Parameters
-    ----------
-    file : SceneFile
-        The scene.
-    frame : float
-        From 1.
-
-    Returns
-    -------
-    list of Path
-        The scene's own first.
-    """
-    scene = file.scene
-    named = [scene.background.file, *(each.file for each in (*scene.lamps, *scene.occluders))]
-    return [file.path, *(file.named(name, frame) for name in named if name is not None)]
-
-
 def _called(what: str, name: str, index: int) -> str:
     return name or f"{what} {index + 1}"
 
@@ -254,11 +241,15 @@ def _check_occluder(occluder: presets.SceneOccluder, name: str) -> None:
     for key in sorted({key for keys in (*USES.values(), *MAY.values()) for key in keys}):
         _check_key(occluder, key, name, key in needs, key in (*needs, *MAY.get(occluder.shape, ())))
     if occluder.shape == "picture" and occluder.rotation_deg:
-        raise refuse.Refusal(f"'rotation_deg' of '{name}' does not go with a picture; turn the picture itself.")
+        raise refuse.Refusal(
+            f"'rotation_deg' of '{name}' does not go with a picture; turn the picture itself."
+        )
     _check_path(occluder.path_m, name)
 
 
-def _check_key(record: presets.SceneLamp | presets.SceneOccluder, key: str, name: str, needed: bool, may: bool) -> None:
+def _check_key(
+    record: presets.SceneLamp | presets.SceneOccluder, key: str, name: str, needed: bool, may: bool
+) -> None:
     there = getattr(record, key) is not None
     if needed and not there:
         raise refuse.Refusal(f"'{name}' of shape '{record.shape}' needs '{key}'.")
@@ -268,7 +259,7 @@ def _check_key(record: presets.SceneLamp | presets.SceneOccluder, key: str, name
 
 def _check_path(path: Sequence[Sequence[float]], name: str) -> None:
     frames = [key[0] for key in path]
-    if any(after <= before for before, after in zip(frames, frames[1:], strict=False)):
+    if any(after <= before for before, after in itertools.pairwise(frames)):
         raise refuse.Refusal(f"the path of '{name}' must have rising frames, got {frames}.")
 
 

@@ -1,8 +1,8 @@
 """Named cameras, irises, eyes, lenses, glasses and whole jobs, as data: TOML files, each with its source.
 
 In: a kind ("cameras", "irises", "eyes", "gratings", "jobs", "lenses", "glasses", "scenes") and a name. Out: a
-validated record of numbers with units in their names; of a job, flags as they are typed. The files lie beside this
-page, one a preset; a file of the user's own is read the same way.
+validated record of numbers with units in their names; of a job, flags as they are typed. The files lie
+beside this page, one a preset; a file of the user's own is read the same way.
 
 models         what a file of a camera or an iris may hold; how a preset is found and checked
 eye_model      what a file of an eye may hold
