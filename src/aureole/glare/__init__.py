@@ -96,8 +96,8 @@ from aureole.glare.fresh_glare import FreshGlare
 from aureole.glare.glare_frames import pattern_field, pattern_shape
 from aureole.glare.kernel import HOSTS, encircled_energy, fade, kernel_for, nonnegative
 from aureole.glare.lamp_files import LampList, read_lamps, write_lamps
-from aureole.glare.lamp_matte import lamp_matte, lit_about
 from aureole.glare.lamp_layer import LampPatch, lamp_layer, lamp_patch, lamp_reach
+from aureole.glare.lamp_matte import lamp_matte, lit_about
 from aureole.glare.lamps import MOST_LAMPS, Lamp, find_lamps, lamp_threshold, luminances
 from aureole.glare.photosafe import FlashLimiter, flash_measures, flashes
 from aureole.glare.power_sums import ModeSum, PowerSum, Summing, TransformSum, power_sum
