@@ -103,6 +103,7 @@ def test_an_unknown_kind_is_refused():
     for ask in (presets.names, lambda kind: presets.load(kind, "circle")):
         with refused(
             "'kind' must be one of 'cameras', 'eyes', 'glasses', 'gratings', 'irises', 'jobs', 'lenses', "
+            "'scenes', "
             "got 'iris'. Did you mean 'irises'?"
         ):
             ask("iris")
