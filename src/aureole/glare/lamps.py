@@ -64,7 +64,7 @@ def luminances(source: Picture) -> NDArray[np.float64]:
     ndarray of float64, shape (rows, columns)
         Y, in the picture's unit.
     """
-    weights = light.SPACES[source.colour_space].to_xyz[1]
+    weights = light.SPACES[source.colour_space].to_xyz[1].astype(source.pixels.dtype)
     return np.asarray(source.pixels[..., :3] @ weights, dtype=np.float64)
 
 
@@ -81,8 +81,7 @@ def lamp_threshold(source: Picture) -> float:
     float
         Sixteen times the median of the pixels, but at least a thousandth of the brightest.
     """
-    seen = luminances(source)
-    return max(OVER_MEDIAN * float(np.median(seen)), OF_BRIGHTEST * float(seen.max()), 0.0)
+    return _level(luminances(source))
 
 
 def find_lamps(
@@ -112,12 +111,16 @@ def find_lamps(
         Where a number is out of its range or the picture holds values that are no numbers.
     """
     refuse.all_finite("picture", source.pixels[..., :3])
-    level = lamp_threshold(source) if threshold is None else refuse.positive("threshold", threshold)
     seen = luminances(source)
+    level = _level(seen) if threshold is None else refuse.positive("threshold", threshold)
     labels = picture.bright_labels(seen, level, connect, MARGIN)
     found = picture.measured_regions(labels, seen, source.pixels[..., :3], above_ground=True)
     count = min(len(found), refuse.at_least("most", most, 1))
     return [_lamp(found, k) for k in range(count)]
+
+
+def _level(seen: NDArray[np.floating]) -> float:
+    return max(OVER_MEDIAN * float(np.median(seen)), OF_BRIGHTEST * float(seen.max()), 0.0)
 
 
 def _lamp(found: picture.Regions, k: int) -> Lamp:

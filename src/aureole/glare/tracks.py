@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
+from scipy.spatial import cKDTree
 
 from aureole import refuse
 from aureole.glare.lamps import Lamp
@@ -157,7 +158,7 @@ class LampTracker:
         """Return the track of each lamp that has one."""
         if not self._tracks or not lamps:
             return {}
-        cost = np.array([[self._cost(track, lamp) for lamp in lamps] for track in self._tracks])
+        cost = self._costs(lamps)
         rows, columns = linear_sum_assignment(cost)
         return {
             int(column): self._tracks[row]
@@ -165,14 +166,18 @@ class LampTracker:
             if cost[row, column] < NOT_PAIRED
         }
 
-    def _cost(self, track: _Track, lamp: Lamp) -> float:
-        far = math.dist(track.place, lamp.place)
-        reach = self.reach * (NEWBORN if track.sightings == 1 else 1.0)
-        if far > reach:
-            return NOT_PAIRED
-        ratio = min(abs(math.log(lamp.flux / track.flux)) / math.log(FLUX_RATIO), 1.0)
-        hue = min(float(np.abs(np.asarray(lamp.colour) - track.colour).max()), 1.0)
-        return (far / reach) ** 2 + FLUX_COST * ratio + COLOUR_COST * hue
+    def _costs(self, lamps: Sequence[Lamp]) -> NDArray[np.float64]:
+        """Return what each track and lamp differ by, (tracks, lamps)."""
+        tracks = self._tracks
+        steps = np.array([lamp.place for lamp in lamps])[None] - np.array([t.place for t in tracks])[:, None]
+        far = np.hypot(steps[..., 0], steps[..., 1])
+        reach = np.array([self.reach * (NEWBORN if track.sightings == 1 else 1.0) for track in tracks])
+        logs = np.log([lamp.flux for lamp in lamps])[None] - np.log([track.flux for track in tracks])[:, None]
+        ratio = np.minimum(np.abs(logs) / math.log(FLUX_RATIO), 1.0)
+        hues = np.array([lamp.colour for lamp in lamps])[None] - np.array([t.colour for t in tracks])[:, None]
+        hue = np.minimum(np.abs(hues).max(axis=2), 1.0)
+        cost = (far / reach[:, None]) ** 2 + FLUX_COST * ratio + COLOUR_COST * hue
+        return np.where(far > reach[:, None], NOT_PAIRED, cost)
 
     def _merged(self, lamps: Sequence[Lamp], owners: dict[int, _Track]) -> dict[int, list[_Track]]:
         """Return, for each lamp that is several lights, their tracks."""
@@ -297,12 +302,10 @@ def _common_step(tracks: Sequence[_Track], lamps: Sequence[Lamp], reach: float) 
     if not len(candidates):
         return none
 
-    def votes(step: NDArray[np.float64]) -> int:
-        close = alike & (np.hypot(*np.moveaxis(steps - step, 2, 0)) <= AGREE_WITHIN)
-        return int(close.any(axis=1).sum())
-
     still = int((alike & (np.hypot(*np.moveaxis(steps, 2, 0)) <= reach)).any(axis=1).sum())
-    counted = [votes(step) for step in candidates]
+    voters = np.nonzero(alike)[0]
+    near = cKDTree(candidates).query_ball_point(candidates, AGREE_WITHIN)
+    counted = [len(set(voters[agreeing])) for agreeing in near]
     best = int(np.argmax(counted))
     if counted[best] < max(AGREE, still + 1, len(strongest) // 2 + 1):
         return none

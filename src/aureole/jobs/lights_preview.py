@@ -10,12 +10,18 @@ from aureole import picture
 from aureole.glare import Sighting
 from aureole.records import Picture
 
-# Circles stand off the light by so many pixels and are no smaller than that, of a picture 1080 rows high.
-STAND_OFF, LEAST_RADIUS, TEXT = 4.0, 8.0, 16.0
+# Of a picture 1080 rows high, in pixels: circles are as large as their light, but no smaller than that; how
+# far a number is from its circle, and how high it is; how wide lines are, and the dark about them.
+LEAST_RADIUS, APART, TEXT, LINE, DARK = 7.0, 3.0, 15.0, 1.6, 1.6
 ROWS = 1080.0
+# A digit's width in heights, and the directions in which a number may stand, the best first.
+DIGIT = 0.64
+SIDES = ((1, -1), (1, 0), (1, 1), (-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1))
 # One after the other by the light's number, so that neighbours differ.
 COLOURS = ("#ffd54a", "#4ac6ff", "#ff6f91", "#7dff8a", "#c9a0ff", "#ff9d4a", "#5fffe1", "#ffffff")
 DPI = 100
+# Points of print that a pixel is.
+POINT = 72.0 / DPI
 
 
 def lights_drawing(
@@ -24,7 +30,7 @@ def lights_drawing(
     trails: Mapping[int, Sequence[tuple[float, float]]] | None = None,
     corner: tuple[int, int] = (0, 0),
 ) -> NDArray[np.float32]:
-    """Draw circles and numbers over a picture.
+    """Draw circles and numbers over a picture; where lights are dense, the weaker ones have no number.
 
     Parameters
     ----------
@@ -56,6 +62,9 @@ def lights_drawing(
     axes.set_ylim(corner[1] + rows, corner[1])
     for sighting in sightings:
         _mark(axes, sighting, (trails or {}).get(sighting.id, ()), scale)
+    frame = corner[0], corner[1], corner[0] + columns, corner[1] + rows
+    for sighting, x, y in _numbers(sightings, frame, scale):
+        _write(axes, sighting, x, y, scale)
     figure.patch.set_alpha(0.0)
     canvas.draw()
     marks = np.asarray(canvas.buffer_rgba(), np.float32)[:rows, :columns] / np.float32(255)
@@ -66,13 +75,67 @@ def lights_drawing(
 def _mark(axes: Any, sighting: Sighting, trail: Sequence[tuple[float, float]], scale: float) -> None:
     from matplotlib.patches import Circle
 
-    colour = COLOURS[(sighting.id - 1) % len(COLOURS)]
+    colour, line = _colour(sighting), LINE * scale * POINT
     x, y = sighting.lamp.place
-    radius = max(sighting.lamp.size / 2 + STAND_OFF * scale, LEAST_RADIUS * scale)
-    points = 72.0 / DPI * scale
-    axes.add_patch(Circle((x, y), radius, fill=False, edgecolor=colour, linewidth=1.5 * points))
+    about = _dark_about(scale, LINE)
     if trail:
         places = np.array([*trail, (x, y)])
-        axes.plot(places[:, 0], places[:, 1], color=colour, linewidth=1.0 * points, alpha=0.7)
-    name = "+".join(str(number) for number in (sighting.id, *sighting.merged))
-    axes.text(x + 0.75 * radius, y - 0.75 * radius, name, color=colour, fontsize=TEXT * points, clip_on=True)
+        axes.plot(places[:, 0], places[:, 1], color=colour, linewidth=line, alpha=0.7)
+    circle = Circle((x, y), _radius(sighting, scale), fill=False, edgecolor=colour, linewidth=line)
+    circle.set_path_effects(about)
+    axes.add_patch(circle)
+
+
+def _numbers(
+    sightings: Sequence[Sighting], frame: tuple[int, int, int, int], scale: float
+) -> list[tuple[Sighting, float, float]]:
+    """Return where numbers stand: those of strong lights first, and none where there is no room."""
+    left, top, right, bottom = frame
+    marks = np.array([_mark_box(sighting, scale) for sighting in sightings]).reshape(-1, 4)
+    taken, found = marks, []
+    for k in sorted(range(len(sightings)), key=lambda k: -sightings[k].lamp.flux):
+        sighting, (x, y) = sightings[k], sightings[k].lamp.place
+        half = np.array([DIGIT * len(_name(sighting)), 1.0]) * TEXT * scale / 2
+        off = _radius(sighting, scale) + APART * scale
+        for side in SIDES:
+            # Along a diagonal a circle is nearer than its corner.
+            centre = np.array([x, y]) + np.array(side) * ((0.75 if all(side) else 1.0) * off + half)
+            box = np.concatenate([centre - half, centre + half])
+            inside = box[0] >= left and box[1] >= top and box[2] <= right and box[3] <= bottom
+            apart = (box[:2] >= taken[:, 2:]).any(axis=1) | (box[2:] <= taken[:, :2]).any(axis=1)
+            apart[k] = True
+            if inside and apart.all():
+                taken = np.vstack([taken, box])
+                found.append((sighting, float(centre[0]), float(centre[1])))
+                break
+    return found
+
+
+def _write(axes: Any, sighting: Sighting, x: float, y: float, scale: float) -> None:
+    text = axes.text(x, y, _name(sighting), color=_colour(sighting), fontsize=TEXT * scale * POINT)
+    text.set(ha="center", va="center", weight="bold", clip_on=True)
+    text.set_path_effects(_dark_about(scale, 0.0))
+
+
+def _dark_about(scale: float, width: float) -> list[Any]:
+    """Return what draws a dark rim about a line of some width, or about letters."""
+    from matplotlib.patheffects import withStroke
+
+    return [withStroke(linewidth=(width + 2 * DARK) * scale * POINT, foreground=(0, 0, 0, 0.75))]
+
+
+def _mark_box(sighting: Sighting, scale: float) -> tuple[float, float, float, float]:
+    (x, y), radius = sighting.lamp.place, _radius(sighting, scale)
+    return x - radius, y - radius, x + radius, y + radius
+
+
+def _radius(sighting: Sighting, scale: float) -> float:
+    return max(sighting.lamp.size / 2, LEAST_RADIUS * scale)
+
+
+def _name(sighting: Sighting) -> str:
+    return "+".join(str(number) for number in (sighting.id, *sighting.merged))
+
+
+def _colour(sighting: Sighting) -> str:
+    return COLOURS[(sighting.id - 1) % len(COLOURS)]

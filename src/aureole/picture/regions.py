@@ -40,13 +40,13 @@ class Regions:
         Strength of the brightest pixel.
     """
 
-    labels: NDArray[np.intp]
+    labels: NDArray[np.integer]
     flux: NDArray[np.float64]
     colour: NDArray[np.float64]
     places: NDArray[np.float64]
     diameters: NDArray[np.float64]
-    boxes: NDArray[np.intp]
-    areas: NDArray[np.intp]
+    boxes: NDArray[np.integer]
+    areas: NDArray[np.integer]
     peaks: NDArray[np.float64]
 
     def __len__(self) -> int:
@@ -56,7 +56,7 @@ class Regions:
 
 def bright_labels(
     strength: NDArray[np.floating], threshold: float, connect: int = 1, margin: int = 0
-) -> NDArray[np.intp]:
+) -> NDArray[np.integer]:
     """Number the connected regions that are brighter than a threshold.
 
     Parameters
@@ -86,14 +86,15 @@ def bright_labels(
     if refuse.at_least("connect", connect, 1) > 1:
         near = ndimage.binary_dilation(bright, np.ones((3, 3), dtype=bool), iterations=connect // 2)
     labels, _ = ndimage.label(near, structure=np.ones((3, 3), dtype=int))
-    labels = np.where(bright, labels, 0).astype(np.intp)
+    if connect > 1:
+        labels[~bright] = 0
     for _ in range(refuse.at_least("margin", margin, 0)):
         labels = labels + _ring(labels)
     return labels
 
 
 def measured_regions(
-    labels: NDArray[np.intp],
+    labels: NDArray[np.integer],
     strength: NDArray[np.floating],
     colour: NDArray[np.floating] | None = None,
     above_ground: bool = False,
@@ -118,7 +119,7 @@ def measured_regions(
         The one with most light first.
     """
     channels = strength[..., None] if colour is None else colour
-    rows, columns = np.nonzero(labels)
+    rows, columns = _pixels_of(labels)
     count = int(labels.max(initial=0))
     which = labels[rows, columns] - 1
     own = strength[rows, columns].astype(np.float64)
@@ -127,53 +128,68 @@ def measured_regions(
     np.maximum.at(peaks, which, own)
     if above_ground:
         around = _ring(labels)
-        edge = np.nonzero(around)
+        edge = _pixels_of(around)
         own -= _means(around[edge] - 1, strength[edge][:, None], count)[which, 0]
         hues -= _means(around[edge] - 1, channels[edge], count)[which]
     flux = np.asarray(np.bincount(which, own, count), dtype=np.float64)
     areas = np.bincount(which, minlength=count)
     order = np.argsort(-flux, kind="stable")
     order = order[(areas[order] > 0) & ((flux[order] > 0) | (not above_ground))]
-    boxes = _boxes(labels)[order]
+    boxes = _boxes(which, rows, columns, count)[order]
     centres, spread = _moments(which, own, np.stack([columns, rows], axis=1).astype(np.float64) + 0.5, count)
-    renumbered = np.zeros(count + 1, dtype=np.intp)
+    renumbered = np.zeros(count + 1, dtype=labels.dtype)
     renumbered[order + 1] = np.arange(1, len(order) + 1)
     diameters = 4.0 * np.sqrt(np.maximum(spread[order] - PIXEL_VARIANCE, 0.0))
     # Light that is taken away at a region's edge may push the centre out, where it cannot be.
     places = np.clip(centres[order], boxes[:, :2], boxes[:, 2:])
     light = _sums(which, hues, count)[order]
-    return Regions(
-        renumbered[labels], flux[order], light, places, diameters, boxes, areas[order], peaks[order]
-    )
+    numbers = np.zeros_like(labels)
+    numbers[rows, columns] = renumbered[labels[rows, columns]]
+    return Regions(numbers, flux[order], light, places, diameters, boxes, areas[order], peaks[order])
 
 
-def _ring(labels: NDArray[np.intp]) -> NDArray[np.intp]:
+def _ring(labels: NDArray[np.integer]) -> NDArray[np.integer]:
     """Number the pixels that touch a region and belong to none; the higher number where two are near."""
-    grown = ndimage.maximum_filter(labels, size=3, mode="constant", cval=0)
-    return np.where(labels == 0, grown, 0)
+    beside = labels.copy()
+    np.maximum(beside[:, 1:], labels[:, :-1], out=beside[:, 1:])
+    np.maximum(beside[:, :-1], labels[:, 1:], out=beside[:, :-1])
+    grown = beside.copy()
+    np.maximum(grown[1:], beside[:-1], out=grown[1:])
+    np.maximum(grown[:-1], beside[1:], out=grown[:-1])
+    grown[labels != 0] = 0
+    return grown
 
 
-def _sums(which: NDArray[np.intp], values: NDArray[np.floating], count: int) -> NDArray[np.float64]:
+def _sums(which: NDArray[np.integer], values: NDArray[np.floating], count: int) -> NDArray[np.float64]:
     sums = [np.bincount(which, values[:, channel], count) for channel in range(values.shape[1])]
     return np.stack(sums, axis=1)
 
 
-def _means(which: NDArray[np.intp], values: NDArray[np.floating], count: int) -> NDArray[np.float64]:
+def _means(which: NDArray[np.integer], values: NDArray[np.floating], count: int) -> NDArray[np.float64]:
     counts = np.maximum(np.bincount(which, minlength=count), 1)
     return np.asarray(_sums(which, values, count) / counts[:, None])
 
 
-def _boxes(labels: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return left, top, right and bottom of each region; zeros for a number that no pixel has."""
-    found = [
-        (0, 0, 0, 0) if box is None else (box[1].start, box[0].start, box[1].stop, box[0].stop)
-        for box in ndimage.find_objects(labels)
-    ]
-    return np.asarray(found, dtype=np.intp).reshape(-1, 4)
+def _pixels_of(labels: NDArray[np.integer]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return rows and columns of the pixels that belong to a region."""
+    rows, columns = np.divmod(np.flatnonzero(labels.ravel() != 0), labels.shape[1])
+    return rows, columns
+
+
+def _boxes(
+    which: NDArray[np.integer], rows: NDArray[np.integer], columns: NDArray[np.integer], count: int
+) -> NDArray[np.integer]:
+    """Return left, top, right and bottom of each region."""
+    boxes = np.zeros((count, 4), dtype=np.intp)
+    boxes[:, :2] = np.iinfo(np.intp).max
+    for first, last, places in ((0, 2, columns), (1, 3, rows)):
+        np.minimum.at(boxes[:, first], which, places)
+        np.maximum.at(boxes[:, last], which, places + 1)
+    return boxes
 
 
 def _moments(
-    which: NDArray[np.intp], weights: NDArray[np.float64], points: NDArray[np.float64], count: int
+    which: NDArray[np.integer], weights: NDArray[np.float64], points: NDArray[np.float64], count: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return each region's centre (N, 2), and its variance along an axis, the mean of both (N,)."""
     total = np.bincount(which, weights, count)
