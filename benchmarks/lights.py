@@ -73,13 +73,13 @@ def add_lamp(seen: NDArray[np.float32], x: float, y: float, flux: float) -> None
 
 
 def median_seconds(call: Callable[[], Any], times: int = 7) -> float:
-    """Return the median of so many runs, after one that does not count."""
+    """Return the median processor time of so many runs, after one that does not count."""
     call()
     taken = []
     for _ in range(times):
-        start = time.perf_counter()
+        start = time.process_time()
         call()
-        taken.append(time.perf_counter() - start)
+        taken.append(time.process_time() - start)
     return statistics.median(taken)
 
 
@@ -124,9 +124,9 @@ def followed(shot: Shot) -> tuple[float, int, int]:
     for frame in range(FRAMES):
         source, places, numbers = shot.at(frame)
         lamps = glare.find_lamps(source, THRESHOLD)
-        start = time.perf_counter()
+        start = time.process_time()
         sightings = tracker.follow(frame, lamps)
-        spent += time.perf_counter() - start
+        spent += time.process_time() - start
         found = np.array([seen.lamp.place for seen in sightings])
         for place, number in zip(places, numbers, strict=True):
             seen = sightings[int(np.hypot(*(found - place).T).argmin())]
@@ -136,7 +136,7 @@ def followed(shot: Shot) -> tuple[float, int, int]:
 
 
 def peers(shot: Shot) -> None:
-    """Give the same frame to others' finders, one after the other in turn."""
+    """Give the same frame to others' finders, one after the other in turn; processor time is counted."""
     source, places, numbers = shot.at(0)
     seen = np.ascontiguousarray(glare.luminances(source))
 
@@ -148,9 +148,9 @@ def peers(shot: Shot) -> None:
     taken: dict[str, list[float]] = {name: [] for name in calls}
     for _ in range(8):
         for name, call in calls.items():
-            start = time.perf_counter()
+            start = time.process_time()
             call()
-            taken[name].append(time.perf_counter() - start)
+            taken[name].append(time.process_time() - start)
     for name, call in calls.items():
         seconds = statistics.median(taken[name][1:])
         print(f"{name:28s} {1e3 * seconds:6.0f} ms  {errors(*call(), places, shot.fluxes[numbers])}")

@@ -114,7 +114,7 @@ def _soft(seen: NDArray[np.floating], level: float) -> NDArray[np.float32]:
     return np.asarray(np.minimum(share, 1.0), dtype=np.float32)
 
 
-def _regions_of(lamps: Sequence[Lamp], labels: NDArray[np.intp]) -> list[int]:
+def _regions_of(lamps: Sequence[Lamp], labels: NDArray[np.integer]) -> list[int]:
     """Return the number of each lamp's region; a lamp that is not to be seen has none."""
     found = [
         (number, (box[1].start, box[0].start, box[1].stop, box[0].stop))

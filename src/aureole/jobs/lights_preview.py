@@ -102,7 +102,8 @@ def _numbers(
             centre = np.array([x, y]) + np.array(side) * ((0.75 if all(side) else 1.0) * off + half)
             box = np.concatenate([centre - half, centre + half])
             inside = box[0] >= left and box[1] >= top and box[2] <= right and box[3] <= bottom
-            apart = (box[:2] >= taken[:, 2:]).any(axis=1) | (box[2:] <= taken[:, :2]).any(axis=1)
+            beyond = np.hstack([box[:2] >= taken[:, 2:], box[2:] <= taken[:, :2]])
+            apart = np.asarray(beyond.any(axis=1))
             apart[k] = True
             if inside and apart.all():
                 taken = np.vstack([taken, box])

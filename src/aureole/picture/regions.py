@@ -85,6 +85,7 @@ def bright_labels(
     near = bright
     if refuse.at_least("connect", connect, 1) > 1:
         near = ndimage.binary_dilation(bright, np.ones((3, 3), dtype=bool), iterations=connect // 2)
+    labels: NDArray[np.integer]
     labels, _ = ndimage.label(near, structure=np.ones((3, 3), dtype=int))
     if connect > 1:
         labels[~bright] = 0
