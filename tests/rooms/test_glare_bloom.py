@@ -46,7 +46,7 @@ def test_the_boxes_kernel_keeps_the_sum_and_the_middle(side, length):
 def test_a_moving_light_keeps_its_energy_and_its_place(place):
     kernel = star_psf(41).pixels
     lamp = dot((120, 124), *place)
-    out = bloom.BloomSpread(kernel, (120, 124))(lamp, np.float32([0, 0, 0]))
+    out = bloom.BloomSpread(kernel, np.zeros(3), (120, 124))(lamp)
     np.testing.assert_allclose(out.sum(axis=(0, 1)), kernel.sum(axis=(0, 1)), rtol=1e-4)
     np.testing.assert_allclose(centroid(out), place, atol=1e-2)
 
@@ -56,9 +56,34 @@ def test_light_without_detail_is_spread_as_by_the_full_convolution():
     rows, columns = np.mgrid[:160, :180].astype(np.float32)
     ramp = np.stack([1 + rows / 50, 2 + columns / 90, 3 + rows / 99 + columns / 70], axis=2)
     kernel = star_psf(61).pixels
-    found = bloom.BloomSpread(kernel, (160, 180))(ramp, np.float32([0, 0, 0]))
+    found = bloom.BloomSpread(kernel, np.zeros(3), (160, 180), tiers=())(ramp)
     expected = picture.convolve(ramp, kernel, precision="double")
     np.testing.assert_allclose(found[45:-45, 45:-45], expected[45:-45, 45:-45], rtol=2e-5)
+
+
+@pytest.mark.parametrize("sides", [(61, 61), (40, 53), (7, 200)])
+@pytest.mark.parametrize(
+    "tiers", [((100, 8100),), ((100, 8100), (120, 300)), ((100, 8100), (110, 2000), (120, 9))]
+)
+def test_light_from_pixel_to_pixel_is_spread_as_by_the_full_convolution(sides, tiers):
+    # Where each pixel is among the brightest and the kernel ends before it fades, nothing is left to boxes.
+    pixels, kernel = RNG.random((90, 90, 3)).astype(np.float32), RNG.random((*sides, 3)).astype(np.float32)
+    pixels[RNG.random((90, 90)) < 0.5] = 0
+    if sides[1] == 200:
+        tiers = [(4 * reach, count) for reach, count in tiers]
+    kept = np.float32([3, 4, 5])
+    found = bloom.BloomSpread(kernel, kept, (90, 90), tiers=tiers)(pixels)
+    expected = picture.convolve(pixels, kernel, precision="double") + kept * pixels
+    np.testing.assert_allclose(found, expected, rtol=2e-5)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_light_is_the_same_on_any_number_of_threads(threads):
+    pixels = (RNG.random((200, 210, 3)) ** 9).astype(np.float32)
+    spread = bloom.BloomSpread(star_psf(61).pixels, np.ones(3), (200, 210))
+    before = spread(pixels)
+    spread.threads = threads
+    np.testing.assert_array_equal(spread(pixels), before)
 
 
 def test_energy_is_kept_with_a_dark_border_and_nothing_is_negative():
@@ -114,4 +139,4 @@ def test_alpha_is_left_alone():
 
 def test_a_box_of_one_pixel_is_refused():
     with pytest.raises(Refusal, match=r"^'side' must be an integer >= 2, got 1\.$"):
-        bloom.BloomSpread(star_psf(31).pixels, (50, 50), side=1)
+        bloom.BloomSpread(star_psf(31).pixels, np.zeros(3), (50, 50), side=1)

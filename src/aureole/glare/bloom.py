@@ -2,25 +2,32 @@
 
 Light is gathered into square boxes of pixels, spread from box to box, and brought back by straight lines
 between the boxes' middles; every step keeps the light and its place, so that what moves by parts of a pixel
-moves smoothly. The core stays sharp, as in "scatter". Where the picture is rough (small lamps, edges of
-bright surfaces) boxes smear the glare near by: there, what the roughest pixels have above their
-boxes' light is spread at full resolution, as far as the kernel is steep.
+moves smoothly. The core stays sharp, as in "scatter". Boxes smear the glare near small lamps and bright
+edges: there light goes from pixel to pixel. What the brightest pixels have above a level does so
+near by, what few have above a higher level does so farther off.
 """
 
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aureole import picture, refuse
-from aureole.glare import _kernels_bloom, _kernels_half
+from aureole.glare import _kernels_bloom
 from aureole.glare.kernel import beyond_core, cropped
 from aureole.picture.torus import share, thread_count
 
-SIDE = 4  # pixels along a box
-NEAR = 12  # pixels about a rough one that get its own glare
-ROUGH_BOXES = 512  # so many boxes at most have pixels that are spread by themselves
-BAND = 16  # rows of boxes that a thread takes at a time
+SIDE = 6  # pixels along a box
+# How many pixels far light goes from pixel to pixel, and from how many at most; the brightest go farthest.
+TIERS = ((16, 6000), (64, 500))
+LANES = 32  # values that a processor takes together, four times over
+BAND = 8  # rows of boxes that a thread takes at a time
+
+Pixels = NDArray[np.float32]
+# Rows and columns of pixels, and their light.
+Sources = tuple[NDArray[np.int64], NDArray[np.int64], Pixels]
 
 
 class BloomSpread:
@@ -30,86 +37,152 @@ class BloomSpread:
     ----------
     kernel : ndarray of float32, shape (rows, columns, 3)
         Energy per pixel beyond the core, its centre at (rows // 2, columns // 2).
+    kept : ndarray of float32, shape (3,)
+        What each channel keeps in its own pixel.
     shape : tuple of int
         (rows, columns) of the pictures.
-    precision : str
-        As in `aureole.picture.Convolver`.
     side : int
         Pixels along a box.
+    tiers : sequence of (int, int)
+        How far light goes from pixel to pixel, and from how many pixels at most: farther from fewer.
     """
 
     def __init__(
-        self, kernel: NDArray[np.float32], shape: tuple[int, int], precision: str = "single", side: int = SIDE
+        self,
+        kernel: Pixels,
+        kept: NDArray[np.floating],
+        shape: tuple[int, int],
+        side: int = SIDE,
+        tiers: Sequence[tuple[int, int]] = TIERS,
     ) -> None:
         self.side = refuse.at_least("side", side, 2)
         self.boxes = -(-shape[0] // side), -(-shape[1] // side)
-        near = kernel * (1 - beyond_core((kernel.shape[0], kernel.shape[1]), NEAR / 2)[..., None])
-        self._near = cropped(near, NEAR)
-        self._near_boxed = boxed_kernel(self._near, side)
-        self._spread = picture.Convolver(boxed_kernel(kernel, side), self.boxes, precision)
+        self._kept = np.tile(np.asarray(kept, dtype=np.float32), shape[1])
+        near = [_middle(kernel, reach) for reach, _ in tiers]
+        self._most = [count for _, count in tiers]
+        self._near = [Taps(each) for each in near]
+        self._near_boxed = [Taps(boxed_kernel(each, side)) for each in near]
+        self._spread = picture.Convolver(boxed_kernel(kernel, side), self.boxes, "single")
         self._lowest = np.float32(0 if float(kernel.min()) >= 0 else -np.inf)
-        self._threads = thread_count(None)
+        self.threads = thread_count(None)
 
-    def __call__(self, pixels: NDArray[np.floating], kept: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Spread the light of one picture, and add what stays.
+    def __call__(self, pixels: NDArray[np.floating]) -> Pixels:
+        """Spread the light of one picture.
 
         Parameters
         ----------
         pixels : ndarray, shape (rows, columns, 3)
             Light.
-        kept : ndarray of float32, shape (3,)
-            What each channel keeps in its own pixel.
 
         Returns
         -------
         ndarray of float32, shape (rows, columns, 3)
-            Glare and what stays.
+            Glare, and what stays.
         """
         light = np.ascontiguousarray(pixels, dtype=np.float32)
-        boxes = self._gathered(light)
-        out = np.zeros_like(light)
-        glare = np.ascontiguousarray(self._spread(boxes), dtype=np.float32)
-        self._spread_rough(light, boxes, out, glare)
-        lowest = self._lowest if float(boxes.min()) >= 0 else np.float32(-np.inf)
-        side = self.side
+        boxes, brightest = self._gathered(light)
+        bright = self._bright(light, brightest)
+        glare = self._spread_boxes(boxes, bright)
+        splats = [near.splats(*sources) for near, sources in zip(self._near, bright, strict=True)]
+        wide = np.empty((len(glare), light.shape[1], 3), dtype=np.float32)
+        out = np.empty_like(light)
 
-        def lay(first: int) -> None:
-            rows = first * side, min((first + BAND) * side, len(light))
-            _kernels_bloom.lay(glare, side, light, kept, lowest, *rows, out)
+        def widen(first: int, last: int) -> None:
+            _kernels_bloom.widen(glare[first:last], self.side, wide[first:last])
 
-        share(lay, range(0, self.boxes[0], BAND), self._threads)
+        def lay(first: int, last: int) -> None:
+            _kernels_bloom.lay(wide, self.side, light, self._kept, first, last, out)
+            for splat in splats:
+                splat(first, last, out)
+
+        self._by_bands(widen, len(glare), BAND)
+        self._by_bands(lay, len(light), BAND * self.side)
         return out
 
-    def _gathered(self, light: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return light per box."""
+    def _gathered(self, light: Pixels) -> tuple[Pixels, Pixels]:
+        """Return light per box, and the brightest value in it."""
         boxes = np.empty((*self.boxes, 3), dtype=np.float32)
+        brightest = np.empty(self.boxes, dtype=np.float32)
 
-        def gather(first: int) -> None:
-            _kernels_bloom.gather(light, self.side, first, min(first + BAND, len(boxes)), boxes)
+        def gather(first: int, last: int) -> None:
+            _kernels_bloom.gather(light, self.side, first, last, boxes, brightest)
 
-        share(gather, range(0, len(boxes), BAND), self._threads)
-        return boxes
+        self._by_bands(gather, len(boxes), BAND)
+        return boxes, brightest
 
-    def _spread_rough(
-        self, light: NDArray[np.float32], boxes: NDArray[Any], out: NDArray[Any], glare: NDArray[Any]
-    ) -> None:
-        """Spread what the roughest pixels have above the boxes' light near by, and not from box to box."""
-        most = boxes.max(axis=2)
-        rank = max(most.size - 16 * ROUGH_BOXES, 0)
-        least = np.float32(np.partition(most, rank, axis=None)[rank] if rank else 0)
-        rough = np.zeros(self.boxes, dtype=np.float32)
+    def _bright(self, light: Pixels, brightest: Pixels) -> list[Sources]:
+        """Return for each tier the brightest pixels' rows and columns, and what they have of its light."""
+        if not self._most:
+            return []
+        # A box may have many of the brightest pixels, or one of them.
+        level = max(_largest(brightest.ravel(), self._most[0]), np.float32(0))
+        room = int(np.count_nonzero(brightest > level)) * self.side**2
+        rows, columns = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
+        colour = np.empty((room, 3), dtype=np.float32)
+        count = _kernels_bloom.pick(light, brightest, self.side, level, rows, columns, colour)
+        rows, columns, colour = rows[:count], columns[:count], colour[:count]
+        value = np.maximum(np.maximum(colour[:, 0], colour[:, 1]), colour[:, 2])
+        levels = [max(_largest(value, most), level) for most in self._most]
+        tiers: list[Sources] = []
+        for level, next_level in zip(levels, (*levels[1:], np.float32(np.inf)), strict=True):
+            place = np.flatnonzero(value > level)
+            # All channels are scaled together, so that the hue stays.
+            part = (np.minimum(value[place], next_level) - level) / value[place]
+            light_above = np.asarray(colour[place] * part[:, None], dtype=np.float32)
+            tiers.append((rows[place], columns[place], light_above))
+        return tiers
 
-        def measure(first: int) -> None:
-            last = min(first + BAND, len(rough))
-            _kernels_bloom.roughness(light, boxes, self.side, least, first, last, rough)
+    def _spread_boxes(self, boxes: Pixels, bright: list[Sources]) -> Pixels:
+        """Return light spread from box to box, without that which goes from pixel to pixel."""
+        glare = np.ascontiguousarray(self._spread(boxes), dtype=np.float32)
+        for sources, taps in zip(bright, self._near_boxed, strict=True):
+            moved = np.zeros_like(boxes)
+            _kernels_bloom.share_out(*sources, self.side, moved)
+            rows, columns = np.nonzero((moved[..., 0] != 0) | (moved[..., 1] != 0) | (moved[..., 2] != 0))
+            splat = taps.splats(rows, columns, -moved[rows, columns])
+            self._by_bands(partial(_onto, splat, glare), len(glare), BAND)
+        if float(boxes.min()) >= 0:
+            np.maximum(glare, self._lowest, out=glare)
+        return glare
 
-        share(measure, range(0, len(rough), BAND), self._threads)
-        rank = max(rough.size - ROUGH_BOXES, 0)
-        level = np.float32(np.partition(rough, rank, axis=None)[rank] if rank else 0)
-        moved = np.zeros_like(boxes)
-        _kernels_bloom.splat_rough(light, boxes, self.side, rough, level, self._near, out, moved)
-        rows, columns = np.nonzero(moved.any(axis=2))
-        _kernels_half.splat(rows, columns, -moved[rows, columns], self._near_boxed, glare)
+    def _by_bands(self, task: Callable[[int, int], None], rows: int, size: int) -> None:
+        """Do a task for every band of so many rows, on all threads."""
+        share(lambda first: task(first, min(first + size, rows)), range(0, rows, size), self.threads)
+
+
+class Taps:
+    """A small kernel, ready to be added about many places.
+
+    Parameters
+    ----------
+    kernel : ndarray of float32, shape (rows, columns, 3)
+        Its centre at (rows // 2, columns // 2), rows and columns odd and alike.
+    """
+
+    def __init__(self, kernel: Pixels) -> None:
+        self._reach = kernel.shape[1] // 2
+        along = kernel.reshape(len(kernel), -1)
+        self._taps = np.pad(along, ((0, 0), (0, -along.shape[1] % LANES)))
+
+    def splats(self, rows: NDArray[np.int64], columns: NDArray[np.int64], light: Pixels) -> Any:
+        """Return what adds the kernel, times the light of each place, to some rows of a picture."""
+        times = np.tile(light, (1, -(-self._taps.shape[1] // 3)))
+        return partial(_kernels_bloom.splat_rows, rows, columns, times, self._taps, self._reach)
+
+
+def _onto(splat: Any, out: Pixels, first: int, last: int) -> None:
+    splat(first, last, out)
+
+
+def _middle(kernel: Pixels, reach: int) -> Pixels:
+    """Return a kernel's middle, fading to 0 at the reach from half of it on."""
+    fading = 1 - beyond_core((kernel.shape[0], kernel.shape[1]), reach / 2)
+    return cropped(kernel * fading[..., None], reach - 1)
+
+
+def _largest(values: Pixels, count: int) -> np.float32:
+    """Return the level that so many values reach; the least there is of fewer."""
+    return np.float32(np.partition(values, -count)[-count] if len(values) > count else -np.inf)
 
 
 def boxed_kernel(kernel: NDArray[np.floating], side: int) -> NDArray[np.float32]:

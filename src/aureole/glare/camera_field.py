@@ -214,7 +214,7 @@ def field_prepare(
         shares.append(share)
         stays.append(kept)
     if mode == "bloom":
-        return Composition(mode, core, returned, _BloomField(kernels, shares, stays, precision))
+        return Composition(mode, core, returned, _BloomField(kernels, shares, stays))
     return Composition(mode, core, returned, picture.PlacesConvolver(kernels, shares, precision))
 
 
@@ -226,17 +226,16 @@ class _BloomField:
         kernels: Sequence[NDArray[np.float32]],
         shares: Sequence[NDArray[np.float32]],
         stays: Sequence[NDArray[np.float32]],
-        precision: str,
     ) -> None:
         rows, columns = shares[0].shape
-        spreads = [BloomSpread(kernel, (rows, columns), precision) for kernel in kernels]
-        self._parts = list(zip(spreads, shares, stays, strict=True))
+        spreads = [BloomSpread(*parts, (rows, columns)) for parts in zip(kernels, stays, strict=True)]
+        self._parts = list(zip(spreads, shares, strict=True))
 
-    def __call__(self, pixels: NDArray[np.floating], kept: NDArray[np.float32]) -> NDArray[np.float32]:
+    def __call__(self, pixels: NDArray[np.floating]) -> NDArray[np.float32]:
         """Spread the light of one picture; what each place keeps makes what each pixel keeps together."""
         out = np.zeros(pixels.shape, dtype=np.float32)
-        for spread, share, stays in self._parts:
-            out += spread(pixels * share[..., None], stays)
+        for spread, share in self._parts:
+            out += spread(pixels * share[..., None])
         return out
 
 
