@@ -172,7 +172,7 @@ def track(
     result = output.follow(jobs.run(job))
     glare.write_lamps(out, result.lamps)
     _write_looks(job, result.lamps, looks)
-    written += [looks[number] for number in result.lamps.frames if number in looks]
+    written += [] if preview is None else [preview]
     output.say_notes([f"frame {lost.number} is {lost.state}: {lost.reason}" for lost in result.failures])
     _report("lights", result.report, "tracks", written, as_json, time.perf_counter() - start)
     if result.failures:

@@ -14,6 +14,8 @@ from aureole.records import Picture
 # far a number is from its circle, and how high it is; how wide lines are, and the dark about them.
 LEAST_RADIUS, APART, TEXT, LINE, DARK = 7.0, 3.0, 15.0, 1.6, 1.6
 ROWS = 1080.0
+# Marks on small pictures grow no smaller than that of these.
+LEAST_SCALE = 0.7
 # A digit's width in heights, and the directions in which a number may stand, the best first.
 DIGIT = 0.64
 SIDES = ((1, -1), (1, 0), (1, 1), (-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1))
@@ -53,7 +55,7 @@ def lights_drawing(
 
     shown = picture.to_display(source)
     rows, columns = shown.shape[:2]
-    scale = max(rows / ROWS, 0.5)
+    scale = max(rows / ROWS, LEAST_SCALE)
     figure = Figure(figsize=(columns / DPI, rows / DPI), dpi=DPI, frameon=False)
     canvas: Any = FigureCanvasAgg(figure)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -61,7 +63,9 @@ def lights_drawing(
     axes.set_xlim(corner[0], corner[0] + columns)
     axes.set_ylim(corner[1] + rows, corner[1])
     for sighting in sightings:
-        _mark(axes, sighting, (trails or {}).get(sighting.id, ()), scale)
+        _trail(axes, sighting, (trails or {}).get(sighting.id, ()), scale)
+    for sighting in sightings:
+        _circle(axes, sighting, scale)
     frame = corner[0], corner[1], corner[0] + columns, corner[1] + rows
     for sighting, x, y in _numbers(sightings, frame, scale):
         _write(axes, sighting, x, y, scale)
@@ -72,17 +76,19 @@ def lights_drawing(
     return np.asarray(shown * (1 - share) + marks[..., :3] * share, dtype=np.float32)
 
 
-def _mark(axes: Any, sighting: Sighting, trail: Sequence[tuple[float, float]], scale: float) -> None:
+def _trail(axes: Any, sighting: Sighting, trail: Sequence[tuple[float, float]], scale: float) -> None:
+    if trail:
+        places, line = np.array([*trail, sighting.lamp.place]), LINE * scale * POINT
+        axes.plot(places[:, 0], places[:, 1], color=_colour(sighting), linewidth=line, alpha=0.6, zorder=0.5)
+
+
+def _circle(axes: Any, sighting: Sighting, scale: float) -> None:
     from matplotlib.patches import Circle
 
     colour, line = _colour(sighting), LINE * scale * POINT
-    x, y = sighting.lamp.place
-    about = _dark_about(scale, LINE)
-    if trail:
-        places = np.array([*trail, (x, y)])
-        axes.plot(places[:, 0], places[:, 1], color=colour, linewidth=line, alpha=0.7)
-    circle = Circle((x, y), _radius(sighting, scale), fill=False, edgecolor=colour, linewidth=line)
-    circle.set_path_effects(about)
+    radius = _radius(sighting, scale)
+    circle = Circle(sighting.lamp.place, radius, fill=False, edgecolor=colour, linewidth=line)
+    circle.set_path_effects(_dark_about(scale, LINE))
     axes.add_patch(circle)
 
 
