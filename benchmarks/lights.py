@@ -6,7 +6,6 @@ and to photutils, where they are installed: detection, centroids and fluxes with
 """
 
 import argparse
-import platform
 import statistics
 import time
 from collections.abc import Callable, Iterator
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from aureole import Picture, glare
+from aureole.bench import timing
 
 SHAPE = (1080, 1920)
 SEED, LAMPS, FRAMES = 7, 200, 200
@@ -189,7 +189,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--peers", action="store_true", help="measure sep and photutils, too")
     given = parser.parse_args()
-    print(f"{SHAPE[1]} x {SHAPE[0]}, {LAMPS} lamps, seed {SEED}; Python {platform.python_version()}")
+    machine = timing.environment()
+    print(f"{machine['platform']}, {machine['processors']} processors, {machine['versions']}")
+    print(f"{SHAPE[1]} x {SHAPE[0]}, {LAMPS} lamps, seed {SEED}\n")
     shot = Shot()
     find_and_track(shot)
     if given.peers:

@@ -124,6 +124,9 @@ def test_places_count_from_what_is_shown(tmp_path, capsys):
     given = picture.read(tmp_path / "over.exr")
     assert jobs.shown_lamps(given, jobs.placed_lamps(given, lamps)) == lamps
     assert jobs.placed_lamps(given, lamps)[0].place == pytest.approx((31.5, 21.5))
+    # The lamp's own pixels are those that make glare.
+    matte = jobs.GlareLights(out).matte(given)
+    assert np.array_equal(np.argwhere(matte > 0), np.argwhere(pixels[..., 0] > 1))
     # The ring is drawn round the lamp's own pixels.
     drawn, plain = picture.encode_srgb(picture.read(look).pixels), picture.to_display(given)
     changed = np.abs(drawn - plain).max(axis=2) > 0.1
