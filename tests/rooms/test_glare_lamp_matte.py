@@ -88,6 +88,13 @@ def test_the_brightest_pixel_near_names_the_light():
     assert glare.lit_about(np.zeros((5, 5)), (2.0, 2.0))[1] == 0
 
 
+def test_a_black_picture_has_no_lamps():
+    black = Picture(np.zeros((4, 5, 3), dtype=np.float32))
+    assert not glare.lamp_matte(black).any()
+    assert not glare.lamp_matte(black, None, [glare.Lamp((2.0, 2.0), 0.0)]).any()
+    assert not glare.lamp_matte(black, 1.0).any()
+
+
 def test_refusals():
     with pytest.raises(refuse.Refusal, match="'threshold' must be a finite number > 0"):
         glare.lamp_matte(wall_with(), 0.0)

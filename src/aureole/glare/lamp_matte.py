@@ -58,9 +58,12 @@ def lamp_matte(
     """
     level = lamp_threshold(source) if threshold is None else refuse.positive("threshold", threshold)
     seen = luminances(source)
+    matte = np.zeros(seen.shape, dtype=np.float32)
+    if level == 0:
+        # A black picture has no threshold, and no lamps.
+        return matte
     if lamps is None:
         return _soft(seen, level)
-    matte = np.zeros(seen.shape, dtype=np.float32)
     boxed = [lamp for lamp in lamps if _area(lamp.box) > 0]
     if boxed:
         labels = picture.bright_labels(seen, level, connect, MARGIN)
