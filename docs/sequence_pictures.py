@@ -2,9 +2,10 @@
 
     python docs/sequence_pictures.py shot FOLDER 12
     python docs/sequence_pictures.py stack OUT 480x120+200+260 FILES...
+    python docs/sequence_pictures.py row OUT FILES...
 
 `shot` writes the first frames of the page's shot; `stack` lays the same part of several pictures one below
-the other, or pictures whole where no part is given (`all`).
+the other, or pictures whole where no part is given (`all`); `row` lays pictures side by side.
 """
 
 import sys
@@ -38,5 +39,13 @@ def stack(out: str, part: str, *files: str) -> None:
     picture.write(out, Picture(np.concatenate(parts)))
 
 
+def row(out: str, *files: str) -> None:
+    """Lay pictures of one height side by side with a thin line between."""
+    pictures = [picture.read(name).pixels[..., :3] for name in files]
+    line = np.ones((len(pictures[0]), GAP, 3), dtype=np.float32)
+    parts = [part for each in pictures for part in (each, line)][:-1]
+    picture.write(out, Picture(np.concatenate(parts, axis=1)))
+
+
 if __name__ == "__main__":
-    {"shot": shot, "stack": stack}[sys.argv[1]](*sys.argv[2:])
+    {"row": row, "shot": shot, "stack": stack}[sys.argv[1]](*sys.argv[2:])

@@ -275,3 +275,18 @@ def test_the_filters_keep_the_ghosts_energy(heliar):
         assert abs(smooth - plain).max() > 1e-3 * plain.max()
     layered = finish(heliar, **small, filter="spectral", layers=True).ghosts.pixels
     np.testing.assert_allclose(layered, smooth, atol=1e-4 * smooth.max())
+
+
+def test_ringing_follows_the_rims_where_they_crop_the_iris(heliar):
+    """At f/16 no rim cuts the light of one degree; at f/4 rims cut that of nine."""
+    for f_number, degrees, is_cut in ((16.0, 1.0, False), (4.0, 9.0, True)):
+        lamp = Lamp((degrees * DEGREE, 0.0), strength=1.0)
+        how = {"lamps": (lamp,), "f_number": f_number, "only": ("3-4",), "ringing": 20.0}
+        plain, cropped = (finish(heliar, **how, crop_ringing=crop).ghosts.pixels for crop in (False, True))
+        apart = np.abs(cropped - plain).sum() / plain.sum()
+        assert apart > 0.02 if is_cut else apart < 1e-6
+
+
+def test_cropped_ringing_that_is_refused(heliar):
+    with pytest.raises(Refusal, match=r"^'crop-ringing' needs 'ringing', and does not go with 'layers'\.$"):
+        finish(heliar, lamps=(Lamp((0.1, 0.0)),), crop_ringing=True)

@@ -133,3 +133,21 @@ def test_a_dark_direction_is_refused():
     housing = flare.TracedHousing(lens, 5e-3)
     with pytest.raises(refuse.Refusal, match=r"^the lens 'nikon\w+' lets no light through from 40 deg"):
         housing.seen_from((math.radians(40), 0.0))
+
+
+def test_the_outline_on_the_stop_is_that_of_the_pupil():
+    """By the image's way: the same crop, in parts of the stop."""
+    lens, _ = flare.open_lens("heliar_tronnier_100mm")
+    _, radius = paraxial.entrance_pupil(lens)
+    direction = (math.radians(8), math.radians(-3))
+    seen = flare.TracedHousing(lens, radius).seen_from(direction).outline
+    iris = aperture.circle(1.0)
+    towards = (math.tan(direction[0]), math.tan(direction[1]), 1.0)
+    outline = flare.stop_outline(lens, (), towards, iris)
+    areas = [
+        aperture.energy(aperture.intersection(whole, crop)) / aperture.energy(whole)
+        for whole, crop in ((aperture.circle(2 * radius), seen), (iris, outline))
+    ]
+    assert areas[1] == pytest.approx(areas[0], abs=2e-3)
+    assert areas[0] < 0.95
+    assert flare.stop_outline(lens, (), (0.0, 0.0, 1.0), aperture.circle(1.0), 16.0) is None

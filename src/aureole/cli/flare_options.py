@@ -207,7 +207,7 @@ class GhostFlags:
         Their brightness.
     starburst : bool
         Whether the lights' starbursts are added.
-    ringing, wavelengths, grid, points, filter, merge : optional
+    ringing, crop_ringing, wavelengths, grid, points, filter, merge : optional
         How they are computed.
     """
 
@@ -256,6 +256,14 @@ class GhostFlags:
             rich_help_panel=GHOSTS,
         ),
     ] = None
+    crop_ringing: Annotated[
+        bool,
+        typer.Option(
+            "--crop-ringing",
+            help="Fringes along the rims of the housing, too, each ghost with its own (slower).",
+            rich_help_panel=GHOSTS,
+        ),
+    ] = False
     wavelengths: Annotated[
         int | None,
         typer.Option("--wavelengths", help="How many are traced.", rich_help_panel=GHOSTS),
@@ -297,6 +305,7 @@ class GhostFlags:
             "gain": refuse.finite("gain", self.gain),
             "starburst": self.starburst,
             "ringing": None if self.ringing is None else refuse.positive("ringing", self.ringing),
+            "crop_ringing": self.crop_ringing,
             "wavelengths": _count("wavelengths", self.wavelengths, 1),
             "grid": _count("grid", self.grid, 2),
             "filter": self.filter,

@@ -53,7 +53,7 @@ from aureole.flare.ghost_paths import (
     without,
 )
 from aureole.flare.glass import AIR, Glass, index, named
-from aureole.flare.housing import SeenPupil, TracedHousing, housing_rims
+from aureole.flare.housing import SeenPupil, TracedHousing, housing_rims, stop_outline
 from aureole.flare.importers import import_lens, open_lens
 from aureole.flare.lens_file import to_toml, write
 from aureole.flare.lights import colour_spectrum, find_lights, light_at, light_on_picture, place_on_picture
@@ -123,6 +123,7 @@ __all__ = [
     "render_stages",
     "sample_spectrum",
     "shortlist",
+    "stop_outline",
     "strongest",
     "to_toml",
     "trace_reference",

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from aureole import aperture as apertures
 from aureole import refuse
@@ -16,7 +17,7 @@ from aureole.aperture import Rim
 from aureole.flare import tracing
 from aureole.flare.paraxial import entrance_pupil, focal_length, heights
 from aureole.flare.prescription import Lens
-from aureole.flare.tracing import Flags, Numbers
+from aureole.flare.tracing import Flags, Numbers, Path, Prepared
 from aureole.records import Aperture
 
 # Rims that the entrance pupil's own distance differs from by so little are the stop, parts of the length.
@@ -25,6 +26,8 @@ WAVELENGTH = 550e-9
 # Directions about the middle of the light in which the outline is found, halvings of each way to it, and
 # rays along each side of the grid that finds the middle.
 TURNS, HALVINGS, SIDE = 128, 26, 41
+# Ringing along an outline costs time by its corners; fringes are far broader than these chords are flat.
+RINGING_TURNS = 48
 # Where nothing cuts the pupil the outline goes so far beyond its rim that its chords do not cut it either.
 BEYOND = 1.02
 
@@ -106,8 +109,6 @@ class TracedHousing:
         self._reach = BEYOND * refuse.positive("pupil_radius", pupil_radius) / self._radius
         self._upright = math.copysign(1.0, float(heights(lens)[lens.stop][0, 0]))
         self._prepared = tracing.prepare(lens, [WAVELENGTH])
-        self._first = lens.surfaces[0].semi_aperture
-        self._name = lens.name
         self._stretch = 1.0
         self._stretch = self.seen_from((0.0, 0.0)).stretch
 
@@ -131,42 +132,92 @@ class TracedHousing:
         """
         # What stands a metre behind the pupil moves by the tangents.
         along = tracing.travel((*apertures.parallax(direction, -1.0), 1.0))
-        front, stop, is_rim = self._outline(along, direction)
+        found = _outline(self._prepared, (), along, self._reach)
+        if found is None:
+            right, down = (math.degrees(angle) for angle in direction)
+            raise refuse.Refusal(
+                f"the lens '{self._prepared.lens.name}' lets no light through from {right:.3g} degrees right "
+                f"and {down:.3g} degrees down; take a longer focal length, or a smaller sensor."
+            )
+        front, stop, is_rim = found
         stretch = _area(front) / _area(stop) / self._stretch
         if not is_rim.any():
             return SeenPupil(None, stretch)
         return SeenPupil(apertures.polygon(self._upright * self._radius * stop), stretch)
 
-    def _outline(self, along: Numbers, direction: tuple[float, float]) -> tuple[Numbers, Numbers, Flags]:
-        """Return the light's outline on the first vertex's plane and on the stop, and where a rim made it."""
-        side = self._first * np.linspace(-1, 1, SIDE)
-        grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-        lit = grid[self._merit(grid, along)[0] <= 1]
-        if not len(lit):
-            right, down = (math.degrees(angle) for angle in direction)
-            raise refuse.Refusal(
-                f"the lens '{self._name}' lets no light through from {right:.3g} degrees right and "
-                f"{down:.3g} degrees down; take a longer focal length, or a smaller sensor."
-            )
-        middle = lit.mean(axis=0)
-        turns = 2 * np.pi * np.arange(TURNS) / TURNS
-        ways = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-        inside, outside = np.zeros(TURNS), np.full(TURNS, 4 * self._first)
-        for _ in range(HALVINGS):
-            half = (inside + outside) / 2
-            passes = self._merit(middle + half[:, None] * ways, along)[0] <= 1
-            inside, outside = np.where(passes, half, inside), np.where(passes, outside, half)
-        front = middle + inside[:, None] * ways
-        _, stop, is_rim = self._merit(front, along)
-        return front, stop, is_rim
 
-    def _merit(self, points: Numbers, along: Numbers) -> tuple[Numbers, Numbers, Flags]:
-        """Return how far out rays go (1: to their end), where on the stop, and whether a rim ends them."""
-        rays = tracing.follow(self._prepared, [()], [len(points)], points, along)
-        stop = np.stack([rays.stop_x, rays.stop_y], axis=1).astype(np.float64)
-        on_stop = np.hypot(*stop.T) / self._reach
-        merit = np.where(rays.reached, np.maximum(rays.level, on_stop), tracing.LOST)
-        return merit, stop, np.asarray(rays.level > on_stop)
+def stop_outline(
+    lens: Lens, path: Path, direction: ArrayLike, iris: Aperture, f_number: float | None = None
+) -> Aperture | None:
+    """Return what of an iris the rims leave to a ghost's light, or to the image's.
+
+    Parameters
+    ----------
+    lens : Lens
+        The lens.
+    path : GhostPath or sequence of int
+        The reflections; () is the image.
+    direction : array_like, shape (3,)
+        From the lens towards the light, z > 0.
+    iris : Aperture
+        Its width stands for the stop's diameter.
+    f_number : float, optional
+        Sets the stop; wide open without it.
+
+    Returns
+    -------
+    Aperture or None
+        A convex outline over the iris; None where no rim cuts it, or no light passes.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the light stands behind the lens, or the reflections are no way through it.
+    """
+    from shapely import MultiPoint
+
+    prepared = tracing.prepare(lens, [WAVELENGTH], f_number)
+    reach = 2 * BEYOND * apertures.bounding_radius(iris) / iris.width
+    found = _outline(prepared, path, tracing.travel(direction), reach, RINGING_TURNS)
+    if found is None or not found[2].any():
+        return None
+    # Rims are nearly discs, and what lies in all of some discs is convex.
+    hull = np.asarray(MultiPoint(found[1]).convex_hull.exterior.coords)[:-1]
+    return apertures.polygon(iris.width / 2 * hull)
+
+
+def _outline(
+    prepared: Prepared, path: Path, along: Numbers, reach: float, count: int = TURNS
+) -> tuple[Numbers, Numbers, Flags] | None:
+    """Return the light's outline on the first vertex's plane and on the stop, and where a rim made it."""
+    first = prepared.lens.surfaces[0].semi_aperture
+    side = first * np.linspace(-1, 1, SIDE)
+    grid = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+    lit = grid[_merit(prepared, path, grid, along, reach)[0] <= 1]
+    if not len(lit):
+        return None
+    middle = lit.mean(axis=0)
+    turns = 2 * np.pi * np.arange(count) / count
+    ways = np.stack([np.cos(turns), np.sin(turns)], axis=1)
+    inside, outside = np.zeros(count), np.full(count, 4 * first)
+    for _ in range(HALVINGS):
+        half = (inside + outside) / 2
+        passes = _merit(prepared, path, middle + half[:, None] * ways, along, reach)[0] <= 1
+        inside, outside = np.where(passes, half, inside), np.where(passes, outside, half)
+    front = middle + inside[:, None] * ways
+    _, stop, is_rim = _merit(prepared, path, front, along, reach)
+    return front, stop, is_rim
+
+
+def _merit(
+    prepared: Prepared, path: Path, points: Numbers, along: Numbers, reach: float
+) -> tuple[Numbers, Numbers, Flags]:
+    """Return how far out rays go (1: to their end), where on the stop, and whether a rim ends them."""
+    rays = tracing.follow(prepared, [path], [len(points)], points, along)
+    stop = np.stack([rays.stop_x, rays.stop_y], axis=1).astype(np.float64)
+    on_stop = np.hypot(*stop.T) / reach
+    merit = np.where(rays.reached, np.maximum(rays.level, on_stop), tracing.LOST)
+    return merit, stop, np.asarray(rays.level > on_stop)
 
 
 def _area(points: Numbers) -> float:

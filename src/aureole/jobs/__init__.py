@@ -18,6 +18,7 @@ scene           lamps and occluders as a file describes them, where they are at 
 lamp_glare      a frame of such a scene: each lamp seen in part, with the glare of that part
 lamp_frames     many of its frames
 lights_preview  a picture with its lights marked
+flare_ringing   its ghosts one by one, each with the ringing of what the housing leaves of the iris
 flare_starburst its starbursts, where each light stands
 eye             what a point of light looks like to an eye, at a time or through time
 eye_glare       a picture as an eye sees it at a time

@@ -21,6 +21,7 @@ from aureole.flare.ghost_paths import GhostPath
 from aureole.flare.lights import white_of
 from aureole.flare.prescription import Lens
 from aureole.jobs.flare_lights import MOST_LIGHTS, Lamp, Scene, found_lights, lamps_of_file, light_of
+from aureole.jobs.flare_ringing import cropped_stages
 from aureole.jobs.flare_starburst import starburst_stages, working_f_number
 from aureole.jobs.lights import shown_shape
 from aureole.jobs.optics import Opening
@@ -73,6 +74,8 @@ class FlareJob:
         Iris preset for what the opening leaves out.
     ringing : float, optional
         Fresnel number of fringes along the iris's edge in every ghost.
+    crop_ringing : bool
+        Whether each ghost's fringes follow what the lens's rims leave of the iris, too.
     wavelengths : int, optional
         How many are traced.
     grid : int, optional
@@ -111,6 +114,7 @@ class FlareJob:
     opening: Opening = field(default_factory=Opening)
     iris: str | None = None
     ringing: float | None = None
+    crop_ringing: bool = False
     wavelengths: int | None = None
     grid: int | None = None
     points: int | None = None
@@ -230,6 +234,8 @@ def _set_up(job: FlareJob) -> _Setup:
         refuse.one_of("filter", job.filter, FILTERS)
         if job.filter == "median" and job.layers:
             raise refuse.Refusal("filter 'median' does not go with 'layers', whose sum it would not keep.")
+    if job.crop_ringing and (job.ringing is None or job.layers):
+        raise refuse.Refusal("'crop-ringing' needs 'ringing', and does not go with 'layers'.")
     if job.colour_space != "rec709" and job.over is not None:
         raise refuse.Refusal("'colour-space' does not go with 'over': the flare takes the picture's own.")
     lens, shape, window, shown = _frame(job)
@@ -341,7 +347,10 @@ def _ghost_stages(job: FlareJob, setup: _Setup, layers: Layers | None) -> Iterat
     """Draw the ghosts, each into its layer where there are layers; the last stage holds their sum."""
     scene, how = setup.scene, _options(job, setup)
     if layers is None:
-        for stage in flare.render_stages(scene.lens, setup.lights, scene.shape, **how):
+        drawn = flare.render_stages(scene.lens, setup.lights, scene.shape, **how)
+        if job.crop_ringing:
+            drawn = _cropped_stages(job, setup, how)
+        for stage in drawn:
             found = stage.result
             yield Stage(0.98 * stage.fraction, stage.label)
         filtered = found if job.filter is None else FILTERS[job.filter](found)
@@ -358,10 +367,19 @@ def _ghost_stages(job: FlareJob, setup: _Setup, layers: Layers | None) -> Iterat
     yield Stage(1.0, "ghosts", Picture(total.astype(np.float32), setup.space))
 
 
+def _cropped_stages(job: FlareJob, setup: _Setup, how: dict[str, Any]) -> Iterator[Stage]:
+    """Draw each ghost with the ringing of its own crop; the last stage holds their sum."""
+    scene, iris = setup.scene, setup.iris or apertures.circle(1.0)
+    assert job.ringing is not None
+    rest = {name: value for name, value in how.items() if name not in ("ghosts", "iris")}
+    shape, paths = scene.shape, setup.paths
+    return cropped_stages(scene.lens, setup.lights, paths, shape, iris, job.ringing, **rest)
+
+
 def _options(job: FlareJob, setup: _Setup) -> dict[str, Any]:
     """Return how the ghosts are drawn, by the names of `aureole.flare.render`."""
     iris: Aperture | diffraction.RingingTexture | None = setup.iris
-    if job.ringing is not None:
+    if job.ringing is not None and not job.crop_ringing:
         iris = diffraction.ringing_texture(setup.iris or apertures.circle(1.0), job.ringing)
     how: dict[str, Any] = {"ghosts": setup.paths, "f_number": job.f_number, "iris": iris, "merge": job.merge}
     how |= {"gain": job.gain, "white": setup.white, "wavelengths": job.wavelengths, "grid": job.grid}
