@@ -45,11 +45,11 @@ def mask(path, words, capsys):
 
 def test_rims_and_places_are_said_by_flags(night, capsys):
     out = night.with_name("out.exr")
-    words = ["glare", night, "-o", out, *NIGHT, "--field", "3x1", "--rim", "3.2mm,300mm", "--vignette"]
+    words = ["glare", night, "-o", out, *NIGHT, "--field", "3x1", "--rim", "3.2mm,150mm", "--vignette"]
     found = told(words, capsys)
     assert found["field_places"] == [3, 1]
     assert found["field_kernels"] == 3
-    assert 0.5 < found["open_part_least"] < 0.9
+    assert 0.4 < found["open_part_least"] < 0.7
     assert 0 < found["field_error_percent"] < 100
     # Light that the rim stops is gone.
     ratio = found["sum_after"][1] / found["sum_before"][1]
@@ -60,20 +60,11 @@ def test_a_lens_has_rims_by_real_rays_or_near_the_axis(night, capsys):
     """Wide open the Heliar lets 0.73 through at 8 degrees near the axis, 0.80 by real rays."""
     least = {}
     for way in ("traced", "paraxial"):
-        words = [
-            "glare",
-            night,
-            "-o",
-            night.with_name(f"{way}.exr"),
-            "--aperture",
-            "circle",
-            "--f-number",
-            "3.5",
-        ]
-        words += ["--focal-length", "100mm", "--pixel-pitch", "1mm", "--mode", "bloom", "--kernel-size", "9"]
-        found = told(
-            [*words, "--lens", "heliar_tronnier_100mm", "--lens-rims", way, "--field", "2x1"], capsys
-        )
+        words = ["glare", night, "-o", night.with_name(f"{way}.exr"), *NIGHT[:2], "--f-number", "3.5"]
+        # So small a lens sees eight degrees on few pixels, none of which is finer than its light.
+        words += ["--focal-length", "1.4mm", "--pixel-pitch", "10um", "--kernel-size", "9"]
+        words += ["--lens", "heliar_tronnier_100mm", "--lens-rims", way, "--field", "2x1"]
+        found = told(words, capsys)
         least[way] = found["open_part_least"]
     assert least["paraxial"] < least["traced"] - 0.03
 

@@ -219,7 +219,7 @@ def field_prepare(
 
 
 class _BloomField:
-    """Bloom of several places, each with its share of each pixel."""
+    """Bloom of several places, each with its share of each pixel, and what stays of it."""
 
     def __init__(
         self,
@@ -228,11 +228,13 @@ class _BloomField:
         stays: Sequence[NDArray[np.float32]],
     ) -> None:
         rows, columns = shares[0].shape
-        spreads = [BloomSpread(*parts, (rows, columns)) for parts in zip(kernels, stays, strict=True)]
+        spreads = [
+            BloomSpread(kernel, kept, (rows, columns)) for kernel, kept in zip(kernels, stays, strict=True)
+        ]
         self._parts = list(zip(spreads, shares, strict=True))
 
     def __call__(self, pixels: NDArray[np.floating]) -> NDArray[np.float32]:
-        """Spread the light of one picture; what each place keeps makes what each pixel keeps together."""
+        """Spread the light of one picture, and add what stays."""
         out = np.zeros(pixels.shape, dtype=np.float32)
         for spread, share in self._parts:
             out += spread(pixels * share[..., None])
