@@ -49,6 +49,7 @@ surface_scene   what suits a surface that is drawn: object, distance, metals
 surface_render  pictures of a diffractive surface on an object, still or turning
 cluster         who makes frames: this process, several of this machine, or a cluster's machines
 cluster_frames  a sequence's frames made by them
+cluster_worker  what a worker of this machine does before its first frame
 cluster_versions what a machine has that frames depend on
 demo            the main job on the bundled scene
 run             run(job): the one door to all of them

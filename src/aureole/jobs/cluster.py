@@ -12,19 +12,20 @@ import queue
 import re
 import time
 import uuid
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from aureole import picture, refuse
+from aureole.jobs import cluster_worker
 from aureole.jobs.cluster_versions import Signature, differences, signature
 
 Task = TypeVar("Task")
 Outcome = TypeVar("Outcome")
 
-# Each of these is as often as the scheduler itself hands a task on, 4 workers' deaths by default.
+# Each is as often as the scheduler itself hands a task on: to 4 workers that die, unless it is told other.
 TRIES = 2
 # Tasks that the scheduler knows of at once: enough for it to ask for more workers, few in memory.
 WINDOW = 256
@@ -90,13 +91,13 @@ class Delivery(Generic[Outcome]):
     reason : str, optional
         Why there is none, in a line.
     worker : str
-        Who made it: "here", or a worker's address.
+        Who made it: "here", or a worker's address; nobody where there is a reason.
     """
 
     index: int
     outcome: Outcome | None = None
     reason: str | None = None
-    worker: str = "here"
+    worker: str = ""
 
 
 def _nobody(line: str) -> None:
@@ -167,38 +168,54 @@ def _here(work: Callable[[Task], Outcome], tasks: Sequence[Task]) -> Iterator[De
         except Exception as error:
             yield Delivery(index, reason=_line(error))
         else:
-            yield Delivery(index, outcome)
+            yield Delivery(index, outcome, worker="here")
 
 
 def _spread(errand: _Errand[Task, Outcome]) -> Iterator[Delivery[Outcome]]:
     """Hand tasks out, and take back what comes, until there is none left."""
     todo = deque((index, 1) for index in range(len(errand.tasks)))
+    suspects: deque[tuple[int, int]] = deque()
     running: dict[Any, tuple[Any, int, int]] = {}
-    while todo or running:
-        while todo and len(running) < WINDOW and errand.client.status == "running":
-            index, turn = todo.popleft()
+    while todo or suspects or running:
+        for index, turn in _turns(todo, suspects, len(running)):
             future = _submit(errand, index, turn)
             running[future.key] = (future, index, turn)
         came, reason = _next(errand)
         if came is None:
-            left = [index for _, index, _ in running.values()] + [index for index, _ in todo]
+            left = {index for _, index, _ in running.values()} | {index for index, _ in (*todo, *suspects)}
             yield from (Delivery(index, reason=reason) for index in sorted(left))
             return
         _, index, turn = running.pop(came.key)
-        delivery, again = _taken(came, index)
+        delivery, killed, again = _taken(came, index)
         if again and turn < TRIES:
-            todo.append((index, turn + 1))
+            (suspects if killed else todo).append((index, turn + 1))
         else:
             yield delivery
 
 
+def _turns(
+    todo: deque[tuple[int, int]], suspects: deque[tuple[int, int]], running: int
+) -> Iterator[tuple[int, int]]:
+    """Take what is to be handed out now.
+
+    When a worker dies, all that it had is blamed, what only waited there as well. So what was blamed too
+    often is tried again when all else is done, each alone: then who dies of it dies of nothing else.
+    """
+    while todo and running < WINDOW:
+        running += 1
+        yield todo.popleft()
+    if suspects and not running:
+        yield suspects.popleft()
+
+
 def _submit(errand: _Errand[Task, Outcome], index: int, turn: int) -> Any:
     """Hand a task to the scheduler. Keys of one name are one group, which it keeps in a queue of its own."""
+    from distributed.protocol import pickle
+
     future = errand.client.submit(
         _done_there,
-        errand.work,
-        errand.tasks[index],
-        signature(),
+        # The scheduler opens what it is given; it need not know of tasks.
+        pickle.dumps((errand.work, errand.tasks[index], signature())),
         key=(errand.name, index, turn),
         pure=False,
     )
@@ -210,14 +227,17 @@ def _next(errand: _Errand[Task, Outcome]) -> tuple[Any, str]:
     """Wait for a future that is settled; None with the reason where none will ever come."""
     alone_since: float | None = None
     while True:
+        came = None
         with contextlib.suppress(queue.Empty):
-            return errand.ready.get(timeout=LOOK), ""
+            came = errand.ready.get(timeout=LOOK)
         if errand.client.status not in ("running", "connecting"):
             return None, "the scheduler was lost; run again to make what is left"
+        if came is not None:
+            return came, ""
         now = time.monotonic()
         alone_since = None if _has_workers(errand.client) else alone_since or now
         if alone_since is not None and now - alone_since > errand.crew.patience:
-            return None, f"the cluster had no worker for {errand.crew.patience:.0f} s"
+            return None, f"the cluster had no worker for {errand.crew.patience:g} s"
 
 
 def _has_workers(client: Any) -> bool:
@@ -228,8 +248,8 @@ def _has_workers(client: Any) -> bool:
         return False
 
 
-def _taken(future: Any, index: int) -> tuple[Delivery[Any], bool]:
-    """Return what a settled future holds, and whether it is worth another try."""
+def _taken(future: Any, index: int) -> tuple[Delivery[Any], bool, bool]:
+    """Return what a settled future holds, whether workers died of it, and whether it is worth another try."""
     from concurrent.futures import CancelledError
 
     from distributed import KilledWorker
@@ -237,27 +257,29 @@ def _taken(future: Any, index: int) -> tuple[Delivery[Any], bool]:
     try:
         outcome, worker = future.result()
     except KilledWorker:
-        return Delivery(index, reason="the workers that made it died"), True
+        return Delivery(index, reason="the workers that made it died"), True, True
     except CancelledError:
-        return Delivery(index, reason="it was cancelled by the cluster"), True
+        return Delivery(index, reason="it was cancelled by the cluster"), False, True
     except StrangeWorker as stranger:
-        return Delivery(index, reason=str(stranger)), True
+        return Delivery(index, reason=str(stranger)), False, True
     except Exception as error:
-        return Delivery(index, reason=_line(error)), False
+        return Delivery(index, reason=_line(error)), False, False
     finally:
         future.release()
-    return Delivery(index, outcome, worker=worker), False
+    return Delivery(index, outcome, worker=worker), False, False
 
 
 class StrangeWorker(Exception):
     """A worker came later, and has another Aureole than the one that sent the task."""
 
 
-def _done_there(work: Callable[[Task], Outcome], task: Task, ours: Signature) -> tuple[Outcome, str]:
+def _done_there(sent: bytes) -> tuple[Any, str]:
     """Do the work on a worker, where its Aureole is ours."""
     from distributed import get_worker
+    from distributed.protocol import pickle
 
     address = str(get_worker().address)
+    work, task, ours = pickle.loads(sent)
     wrong = differences(ours, signature())[0]
     if wrong:
         raise StrangeWorker(f"the worker {address} has {wrong[0]}")
@@ -267,27 +289,32 @@ def _done_there(work: Callable[[Task], Outcome], task: Task, ours: Signature) ->
 def _check_workers(client: Any, folders: Sequence[Path], say: Callable[[str], None]) -> None:
     """Refuse workers that have another Aureole or see other disks; note what may move last digits."""
     places = [str(Path(folder).resolve()) for folder in folders]
+    try:
+        _check("the scheduler", client.run_on_scheduler(_told_there, []))
+    except (ImportError, AttributeError) as error:
+        raise refuse.Refusal(f"the scheduler has no Aureole, or another one: {_line(error)}.") from None
     told = client.run(_told_there, places, on_error="return")
     if not told:
         say("the cluster has no worker yet; frames wait for one")
-    notes: dict[str, int] = {}
+    notes: Counter[str] = Counter()
     for address, found in sorted(told.items()):
-        if isinstance(found, ModuleNotFoundError | AttributeError):
+        if isinstance(found, ImportError | AttributeError):
             raise refuse.Refusal(f"the worker {address} has no Aureole, or another one: {_line(found)}.")
-        if isinstance(found, Exception):
-            continue  # it has died meanwhile; its tasks go to others
-        theirs, unseen = found
-        wrong, doubtful = differences(signature(), theirs)
-        if wrong:
-            raise refuse.Refusal(f"the worker {address} has {wrong[0]}; install the same on both.")
-        if unseen:
-            raise refuse.Refusal(
-                f"the worker {address} does not see the folder '{unseen[0]}'; all need one disk."
-            )
-        for line in doubtful:
-            notes[line] = notes.get(line, 0) + 1
+        if not isinstance(found, Exception):  # else it has died meanwhile; its tasks go to others
+            notes.update(_check(f"the worker {address}", found))
     for line, count in notes.items():
         say(f"{count} of {len(told)} workers have {line}; last digits may differ")
+
+
+def _check(who: str, told: tuple[Signature, list[str]]) -> list[str]:
+    """Refuse one that has another Aureole or does not see a folder; return what may move last digits."""
+    theirs, unseen = told
+    wrong, doubtful = differences(signature(), theirs)
+    if wrong:
+        raise refuse.Refusal(f"{who} has {wrong[0]}; install the same on both.")
+    if unseen:
+        raise refuse.Refusal(f"{who} does not see the folder '{unseen[0]}'; all need one disk.")
+    return doubtful
 
 
 def _told_there(places: list[str]) -> tuple[Signature, list[str]]:
@@ -301,6 +328,7 @@ def _client(crew: Crew) -> Iterator[Any]:
     from distributed import Client
 
     with contextlib.ExitStack() as stack:
+        stack.enter_context(_quiet())
         address: Any = crew.scheduler
         if address is None:
             assert crew.workers is not None
@@ -309,40 +337,51 @@ def _client(crew: Crew) -> Iterator[Any]:
             client = Client(address, timeout=ANSWER, set_as_default=False)
         except (OSError, TimeoutError) as error:
             raise ConnectionError(f"the scheduler '{crew.scheduler}' does not answer") from error
-        with _quiet():
-            yield stack.enter_context(client)
+        yield stack.enter_context(client)
 
 
 @contextlib.contextmanager
 def _processes(count: int) -> Iterator[Any]:
     """Start workers on this machine. Each makes one frame at a time with its share of the cores."""
+    import dask
     from distributed import LocalCluster
 
     share = str(max(1, _cores() // count))
-    cluster = LocalCluster(
-        n_workers=count,
-        threads_per_worker=1,
-        processes=True,
-        # A frame refuses what would not fit; a worker is not to be killed besides.
-        memory_limit=0,
-        dashboard_address="127.0.0.1:0",
-        silence_logs=logging.CRITICAL,
-        env={"NUMBA_NUM_THREADS": share, "OMP_NUM_THREADS": share},
-    )
-    with cluster:
-        yield cluster
+    # A machine that is busy may take long to start another where one has died.
+    patient = dask.config.set({"distributed.deploy.lost-worker-timeout": f"{PATIENCE:g}s"})
+    with (
+        patient,
+        LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            processes=True,
+            # A frame refuses what would not fit; a worker is not to be killed besides.
+            memory_limit=0,
+            dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL,
+            env={"NUMBA_NUM_THREADS": share, "OMP_NUM_THREADS": share, cluster_worker.WORKERS: str(count)},
+            preload=[cluster_worker.__name__],
+        ) as made,
+    ):
+        yield made
 
 
 @contextlib.contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep the cluster's own chatter from between the lines of ours."""
-    logger = logging.getLogger("distributed")
-    level = logger.level
-    logger.setLevel(logging.CRITICAL)
+    """Keep the cluster's own chatter from between the lines of ours, to the end where a run is broken off."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "asyncio")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    broken_off = False
     try:
         yield
+    except BaseException as reason:
+        broken_off = not isinstance(reason, Exception | GeneratorExit)
+        raise
     finally:
-        logger.setLevel(level)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(logging.CRITICAL if broken_off else level)
 
 
 def _cores() -> int:
