@@ -328,7 +328,7 @@ def test_paths_and_names_of_files_reach_workers_that_stand_elsewhere(tmp_path, m
     assert first.maker is second.maker
     assert first.maker.job.optics.preset == str(tmp_path / "cameras/mine.toml")
     assert first.maker.job.optics.iris == "none.toml"
-    assert first.maker.matte == tmp_path / "mattes/m.####.exr"
+    assert first.maker.sources.matte == tmp_path / "mattes/m.####.exr"
     assert (first.reading, first.description) == ({"nan": "zero"}, "words")
     names = [folder.relative_to(tmp_path).name for folder in cluster_frames.folders([first, second])]
     assert names == ["cameras", "in", "mattes", "out"]
@@ -352,7 +352,7 @@ def test_the_signature_is_of_the_sources_and_of_nothing_that_a_machine_makes_of_
     assert ours.others["numpy"] == np.__version__
 
 
-def test_signals_end_the_workers_too_and_leave_nothing_half_written(tmp_path):
+def test_signals_end_the_workers_too_and_leave_nothing_half_written(tmp_path, request):
     # More frames than can be made before the signal comes.
     shot(tmp_path, 1)
     for number in range(2, 500):
@@ -369,6 +369,7 @@ def test_signals_end_the_workers_too_and_leave_nothing_half_written(tmp_path):
             text=True,
             start_new_session=True,
         )
+        request.addfinalizer(runs[number].kill)
     workers = {}
     for number, started in runs.items():
         log = tmp_path / f"{number.name}.log"
