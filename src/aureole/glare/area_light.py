@@ -232,20 +232,23 @@ def area_power(
     return before
 
 
-def difference(found: NDArray[np.floating], before: NDArray[np.floating]) -> float:
+def difference(found: NDArray[np.floating], before: NDArray[np.floating], least: float = 0.0) -> float:
     """Return how far two patterns are from each other: the sum of absolute differences over the sum.
 
     Parameters
     ----------
     found, before : ndarray
         Of one shape, not negative.
+    least : float
+        What the sum counts for where it is less.
 
     Returns
     -------
     float
         0 where both are dark.
     """
-    total = max(float(found.sum(dtype=np.float64)), float(before.sum(dtype=np.float64)))
+    sums = (float(each.sum(dtype=np.float64)) for each in (found, before))
+    total = max(*sums, least)
     return float(np.abs(found - before).sum(dtype=np.float64)) / total if total > 0 else 0.0
 
 

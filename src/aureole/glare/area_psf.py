@@ -7,7 +7,7 @@ paper §6.1). So the glare of each part is that of the whole lamp, moved to its 
 see alike, and wrong by no more than the lamp's own size elsewhere.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,8 @@ from aureole.records import Aperture, Camera, Grid, Picture, Spectrum, Stage
 SAME_CORNER = 1e-6
 # Pixels about the lamp's own that do not count where patterns are compared.
 CORE = 2.0
+# Pixels a side about the core where patterns are compared, and what part of the work that is held to be.
+PROBE, PROBED = 129, 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +51,9 @@ class AreaPsf:
     openings : int
         How many distinct openings were computed.
     error : float
-        Sum of absolute differences from the next coarser samples beyond the core, over the sum; 0 where
-        nothing was compared.
+        Sum of absolute differences from the next coarser samples, beyond the core and within 64 pixels of
+        it, over the sum there, or over that of the unhidden lamp where it is more; 0 where nothing was
+        compared.
     """
 
     psf: Picture
@@ -90,7 +93,8 @@ def area_psf(
     across : int, optional
         Samples across the lamp; without it as many as the tolerance needs, 33 at most.
     tolerance : float
-        By what part the light beyond the core may change from about half as many samples across.
+        By what part the light about the core may change from about half as many samples across, as the
+        result's error says it.
     size : int, optional
         Pixels a side to which openings are rasterized; without it outlines stay exact.
 
@@ -157,25 +161,80 @@ def area_psf_stages(
     white = light.illuminant("E") if spectrum is None else spectrum
     pitch_y, pitch_x = camera.pixel_pitch
     grid = Grid(shape, (pitch_y / camera.focal_length, pitch_x / camera.focal_length))
-    counts = STEPS if across is None else (refuse.at_least("across", across, 1),)
-    before: NDArray[np.float32] | None = None
-    error, beyond = 0.0, beyond_core(shape, CORE)[..., None]
-    for step, count in enumerate(counts):
-        views = _views(pupil(camera), occluders, lamp, count, size)
-        total = np.zeros((*shape, 3), dtype=np.float32)
-        for index, (share, opening) in enumerate(views.openings):
-            yield Stage(
-                (step + index / len(views.openings)) / len(counts), f"lamp seen {count} x {count} times"
-            )
-            total += np.float32(share) * diffraction.starburst(opening, grid, white).pixels
-        if before is not None:
-            error = difference(total * beyond, before * beyond)
-            if error <= tolerance:
-                break
-        before = total
+    scene, error = (pupil(camera), occluders, lamp), 0.0
+    if across is None:
+        views, error = yield from _enough(scene, grid, white, tolerance, size)
+    else:
+        views = _views(*scene, refuse.at_least("across", across, 1), size)
+    start = 0.0 if across is not None else PROBED
+    total = yield from _summed(views, grid, white, start, 1.0)
     rgb = in_rgb(Picture(total, "xyz"), white, colour_space)
     psf = Picture(rgb, colour_space, {"pixel_pitch": camera.pixel_pitch})
     yield Stage(1.0, "lamp", AreaPsf(psf, float(views.seen.sum()), views.seen, len(views.openings), error))
+
+
+def _enough(
+    scene: tuple[Aperture, Sequence[Occluder], AreaLight],
+    grid: Grid,
+    white: Spectrum,
+    tolerance: float,
+    size: int | None,
+) -> Generator[Stage, None, tuple["_Views", float]]:
+    """Find how many samples are enough, by the pixels about the core: fringes are slowest to settle there.
+
+    Parameters
+    ----------
+    scene : tuple
+        Opening, occluders, lamp.
+    grid : Grid
+        Of the whole pattern.
+    white : Spectrum
+        The lamp's.
+    tolerance : float
+        As in `area_psf`.
+    size : int, optional
+        As in `area_psf`.
+
+    Yields
+    ------
+    Stage
+        Up to `PROBED`.
+
+    Returns
+    -------
+    tuple
+        The views, and their error.
+    """
+    shape = min(grid.shape[0], PROBE), min(grid.shape[1], PROBE)
+    probe, beyond = Grid(shape, grid.spacing), beyond_core(shape, CORE)[..., None]
+    unhidden = diffraction.starburst(scene[0], probe, white).pixels * beyond
+    least = float(unhidden.sum(dtype=np.float64))
+    before: NDArray[np.float32] | None = None
+    for step, count in enumerate(STEPS):
+        views = _views(*scene, count, size)
+        start, end = (PROBED * at / len(STEPS) for at in (step, step + 1))
+        found = yield from _summed(views, probe, white, start, end)
+        found *= beyond
+        if before is not None:
+            error = difference(found, before, least)
+            if error <= tolerance:
+                break
+        before = found
+    return views, error
+
+
+def _summed(
+    views: "_Views", grid: Grid, white: Spectrum, start: float, end: float
+) -> Generator[Stage, None, NDArray[np.float32]]:
+    """Return the mean starburst of all views, telling how far it is between two fractions of the whole."""
+    total = np.zeros((*grid.shape, 3), dtype=np.float32)
+    count = len(views.openings)
+    for index, (share, opening) in enumerate(views.openings):
+        yield Stage(
+            start + (end - start) * index / count, f"lamp seen through opening {index + 1} of {count}"
+        )
+        total += np.float32(share) * diffraction.starburst(opening, grid, white).pixels
+    return total
 
 
 @dataclass(frozen=True, eq=False)
