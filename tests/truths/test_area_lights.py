@@ -136,7 +136,7 @@ def test_the_picture_of_a_lamp_holds_what_is_visible_of_it():
     opening = _camera()
     bars = aperture.occluder(aperture.railing(1e-3, 1.5e-3, 9, 1.0), 0.5)
     lamp = glare.AreaLight(aperture.circle(12e-3), (4e-3, -2e-3), 12.0)
-    found = glare.area_psf(opening, lamp, [bars], (181, 321), across=5)
+    found = glare.area_psf(opening, lamp, [bars], (181, 321), across=3)
     sharp = glare.lamp_picture(found, opening, lamp)
     assert sharp.sum() == pytest.approx(found.visible, rel=1e-5)
     out = glare.area_glare(found, opening, lamp, (2.0, 1.0, 0.5))
@@ -147,6 +147,22 @@ def test_the_picture_of_a_lamp_holds_what_is_visible_of_it():
     pitch = 6e-3 / 90 / 50e-3
     assert abs(columns.mean() - (80 + 4e-3 / pitch)) < 10
     assert abs(rows.mean() - (45 - 2e-3 / pitch)) < 10
+
+
+def test_few_samples_say_how_much_is_visible():
+    # Right of an upright edge lies half a square of what is left of a square's diagonal.
+    depth, distance, half = 0.5, 10.0, 2e-3
+    opening = glare.camera(50e-3, 12.5, aperture.iris(4, 2 * half), 6e-3 * 160 / 90, 6e-3, (90, 160))
+    lamp = glare.AreaLight(aperture.rectangle(half, half), (0.0, 0.0), distance)
+    middles = (np.arange(4000) + 0.5) / 4000 - 0.5
+    for x in (-1.6e-3, 0.4e-3):
+        wall = aperture.occluder(aperture.rectangle(0.2, 0.4), depth, (-x - 0.1, 0.0))
+        found = glare.area_psf(opening, lamp, [wall], (9, 9), tolerance=0.5)
+        edges = np.clip((-x - depth * half * middles) / (1 - depth / distance) / half, -1, 1)
+        open_parts = np.where(edges > 0, (1 - edges) ** 2 / 2, 1 - (1 + edges) ** 2 / 2)
+        assert found.openings == 5
+        assert found.visible == pytest.approx(open_parts.mean(), rel=2e-3)
+        assert found.seen.sum() == pytest.approx(found.visible)
 
 
 def test_upright_bars_need_one_opening_a_column():
