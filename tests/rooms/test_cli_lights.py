@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import OpenImageIO
 import pytest
 
 from aureole import Picture, glare, jobs, picture
@@ -133,6 +134,16 @@ def test_places_count_from_what_is_shown(tmp_path, capsys):
     rows, columns = np.nonzero(changed[:, 20:45])
     assert (columns + 20).mean() == pytest.approx(31.5, abs=4)
     assert rows.mean() == pytest.approx(21.5, abs=6)
+
+
+def test_values_that_are_no_numbers_are_mended_on_request(tmp_path, capsys):
+    pixels = frame_of(1).pixels.copy()
+    pixels[50, 100] = np.nan
+    made = OpenImageIO.ImageBuf(pixels)
+    assert made.write(str(tmp_path / "nan.exr"))
+    words = ["lights", "find", tmp_path / "nan.exr", "-o", tmp_path / "a.jsonl"]
+    assert "--nan zero mends them" in refused(words, capsys)
+    assert told([*words, "--nan", "zero", "--json"], capsys)["lights"] == 2
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """The commands about lights in pictures: find them, and follow them through a shot."""
 
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,11 +11,13 @@ from rich.table import Table
 
 from aureole import glare, jobs, picture, refuse
 from aureole.cli import options, output
-from aureole.cli.lights_options import AUTO
+from aureole.cli.lights_options import AUTO, ReadFlags
 from aureole.cli.lights_options import threshold as chosen_threshold
 from aureole.cli.options import FILES
+from aureole.cli.pupil_options import with_flags
 from aureole.cli.sequence_runs import INCOMPLETE
 from aureole.jobs import frame_files as numbered
+from aureole.records import Stage
 
 app = typer.Typer(
     help="Find the lights that pictures show, and follow them through a shot.",
@@ -90,14 +93,15 @@ Looks = Annotated[
 
 
 @app.command()
+@with_flags("how", ReadFlags)
 def find(
     source: options.Source,
     out: Out,
+    how: ReadFlags,
     threshold: Threshold = AUTO,
     most: Most = glare.MOST_LAMPS,
     connect: Connect = 1,
     preview: options.Preview = None,
-    memory: options.Memory = None,
     as_json: options.Json = False,
 ) -> None:
     """Find the lights of a picture: where each stands, how strong, how large and of which colour it is.
@@ -113,23 +117,23 @@ def find(
     """
     start = time.perf_counter()
     written = _places(out, preview)
-    job = jobs.LightsJob(
-        ((None, source),), chosen_threshold(threshold), most, connect, memory=options.memory(memory)
-    )
+    job = jobs.LightsJob(((None, source),), chosen_threshold(threshold), most, connect, reading=how.reading())
     result = output.follow(jobs.run(job))
     glare.write_lamps(out, result.lamps)
     if preview is not None:
-        given = picture.read(source, memory=job.memory)
+        given = picture.read(source, **job.reading)
         seen = result.lamps.sightings
         output.write_display(preview, jobs.lights_drawing(given, seen, None, jobs.shown_corner(given)))
     _report("lights", result.report, "brightest", written, as_json, time.perf_counter() - start)
 
 
 @app.command()
+@with_flags("how", ReadFlags)
 def track(
     source: Shot,
     out: Out,
     which: Which,
+    how: ReadFlags,
     threshold: Threshold = AUTO,
     most: Most = glare.MOST_LAMPS,
     connect: Connect = 1,
@@ -137,7 +141,6 @@ def track(
     patience: Patience = glare.PATIENCE,
     least: Least = 1,
     preview: Looks = None,
-    memory: options.Memory = None,
     as_json: options.Json = False,
 ) -> None:
     """Follow the lights of a shot: each keeps its number from frame to frame.
@@ -167,11 +170,12 @@ def track(
         None if reach is None else refuse.positive("reach", reach),
         patience,
         least,
-        options.memory(memory),
+        how.reading(),
     )
     result = output.follow(jobs.run(job))
     glare.write_lamps(out, result.lamps)
-    _write_looks(job, result.lamps, looks)
+    if looks:
+        output.follow(_look_stages(job, result.lamps, looks))
     written += [] if preview is None else [preview]
     output.say_notes([f"frame {lost.number} is {lost.state}: {lost.reason}" for lost in result.failures])
     _report("lights", result.report, "tracks", written, as_json, time.perf_counter() - start)
@@ -185,17 +189,19 @@ def _places(out: Path, preview: Path | None) -> list[Path]:
     return [picture.writable(out), *output.places(preview)]
 
 
-def _write_looks(job: jobs.LightsJob, lamps: glare.LampList, looks: dict[int, Path]) -> None:
+def _look_stages(job: jobs.LightsJob, lamps: glare.LampList, looks: dict[int, Path]) -> Iterator[Stage]:
+    """Write a marked picture of each frame that was looked at."""
     trails: dict[int, list[tuple[float, float]]] = {}
-    for number, path in job.pictures:
-        if number not in looks or number not in lamps.frames:
-            continue
-        seen = lamps.at(number)
-        given = picture.read(path, memory=job.memory)
-        drawn = jobs.lights_drawing(given, seen, trails, jobs.shown_corner(given))
-        output.write_display(looks[number], drawn)
+    files = dict(job.pictures)
+    for k, number in enumerate(lamps.frames):
+        yield Stage(k / len(lamps.frames), f"picture {number}")
+        seen, given = lamps.at(number), picture.read(files[number], **job.reading)
+        output.write_display(
+            looks[number], jobs.lights_drawing(given, seen, trails, jobs.shown_corner(given))
+        )
         for sighting in seen:
             trails.setdefault(sighting.id, []).append(sighting.lamp.place)
+    yield Stage(1.0, "pictures", len(lamps.frames))
 
 
 def _report(

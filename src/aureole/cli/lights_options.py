@@ -2,14 +2,43 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from aureole import jobs, refuse
+from aureole.cli import options
 
 LIGHTS = "Lights"
 AUTO = "auto"
+
+
+@dataclass(frozen=True)
+class ReadFlags:
+    """The flags of reading pictures, as text.
+
+    Parameters
+    ----------
+    nan : str
+        "refuse" or "zero".
+    color_config : Path, optional
+        OpenColorIO configuration.
+    color_space : str, optional
+        The pictures' space in that configuration.
+    memory : str, optional
+        The most to use.
+    """
+
+    nan: options.Nan = "refuse"
+    color_config: options.ColorConfig = None
+    color_space: Annotated[
+        str | None, typer.Option(help="IN's space in that configuration.", rich_help_panel=options.FILES)
+    ] = None
+    memory: options.Memory = None
+
+    def reading(self) -> dict[str, Any]:
+        """Return the options of `aureole.picture.read`."""
+        return {**vars(self), "memory": options.memory(self.memory)}
 
 
 @dataclass(frozen=True)

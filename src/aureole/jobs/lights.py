@@ -5,7 +5,7 @@ import statistics
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from aureole import glare, picture, refuse
 from aureole.glare import Lamp, LampList, LampTracker, Sighting
@@ -41,10 +41,8 @@ class LightsJob:
         Frames for which a light that is not seen keeps its number.
     least : int
         Leave out lights that are seen in fewer frames.
-    memory : int, optional
-        Bytes that a picture may take.
-    nan : str
-        "refuse" or "zero".
+    reading : mapping
+        Options of `aureole.picture.read`.
     """
 
     pictures: tuple[tuple[int | None, Path], ...]
@@ -55,8 +53,7 @@ class LightsJob:
     reach: float | None = None
     patience: int = glare.PATIENCE
     least: int = 1
-    memory: int | None = None
-    nan: Literal["refuse", "zero"] = "refuse"
+    reading: Mapping[str, Any] = dataclasses.field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -115,16 +112,15 @@ def run_lights(job: LightsJob) -> Iterator[Stage]:
     """
     _check(job)
     yield Stage(0.0, "the threshold")
-    reading: dict[str, Any] = {"nan": job.nan, "memory": job.memory}
     threshold = job.threshold
     if threshold is None:
-        threshold = shot_threshold([path for _, path in job.pictures], reading)
+        threshold = shot_threshold([path for _, path in job.pictures], job.reading)
     shot = _Shot(job, threshold)
     for index, (number, path) in enumerate(job.pictures):
         label = path.name if number is None else f"frame {number}"
         yield Stage(0.05 + 0.95 * index / len(job.pictures), label)
         try:
-            shot.take(number, picture.read(path, **reading))
+            shot.take(number, picture.read(path, **job.reading))
         except refuse.Refusal as refusal:
             if number is None:
                 raise
