@@ -26,9 +26,9 @@ done
 $PYTHON docs/sequence_pictures.py row $TO/sequence-ringing.jpg "$TEMP"/ring-*.png
 
 # Ghosts of a light that moves aside: each ghost's ringing is that of what the housing leaves of the iris.
-for x in 4 9 14; do
-    $AUREOLE flare --lens heliar_tronnier_100mm --light ${x}deg,3deg --f-number 4 --blades 7 --ringing 30 --crop-ringing \
-        --ghosts top:12 --size 480x320 -o "$TEMP/flare-$x.exr" --preview "$TEMP/flare-$x.png"
+for x in 06 10 14; do
+    $AUREOLE flare --lens nikkor_50mm_f1_2 --light ${x}deg,4deg --f-number 1.8 --ringing 30 --crop-ringing \
+        --only 4-5 --only 11-13 --illuminant D65 --size 480x320 -o "$TEMP/flare-$x.exr" --preview "$TEMP/flare-$x.png"
 done
 $PYTHON docs/sequence_pictures.py row $TO/sequence-ringing-flare.jpg "$TEMP"/flare-*.png
 
