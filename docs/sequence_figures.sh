@@ -14,3 +14,6 @@ $AUREOLE lights track "$TEMP/shot.####.exr" --frames 1001-1048 -o "$TEMP/tracks.
     --preview "$TEMP/look.####.png"
 $PYTHON docs/sequence_pictures.py stack $TO/sequence-lights.jpg 640x150+300+180 \
     "$TEMP/look.1001.png" "$TEMP/look.1024.png" "$TEMP/look.1048.png"
+
+# Dirt, lashes, and openings that the housing crops.
+AUREOLE=$AUREOLE PYTHON=$PYTHON sh docs/sequence_dirt.sh
