@@ -16,7 +16,7 @@ $PYTHON docs/sequence_pictures.py row $TO/sequence-lashes.jpg "$TEMP/opening.png
 $PYTHON docs/sequence_pictures.py shot "$TEMP" 1
 $AUREOLE glare "$TEMP/shot.1001.exr" $LASHES --f-number 11 --pixel-pitch 10um --precision single \
     -o "$TEMP/night.exr" --preview "$TEMP/night.png"
-$PYTHON docs/sequence_pictures.py stack $TO/sequence-lashes-night.jpg all "$TEMP/night.png"
+$PYTHON docs/sequence_pictures.py stack $TO/sequence-lashes-night.jpg 960x400+968+20 "$TEMP/night.png"
 
 # The ringing of an opening that the housing crops more and more (quad paper, Fig. 15).
 for x in 0.15 0.3 0.45 0.6 0.75; do
