@@ -132,6 +132,52 @@ def test_what_is_kept_and_what_is_made_again(tmp_path, capsys):
     assert report["frames_done"] == 1
 
 
+def test_radiance_pictures_say_of_which_job_they_are(tmp_path, capsys):
+    shot(tmp_path, 2)
+    out = [*words(tmp_path)[:3], str(tmp_path / "out.####.hdr"), *LOOK]
+    told(out, capsys)
+    report, _ = told(out, capsys)
+    assert report["frames_kept"] == 2
+    # The words take no pixel away.
+    single = tmp_path / "single.hdr"
+    assert run(["glare", str(tmp_path / "shot.1001.exr"), "-o", str(single), *LOOK]) == 0
+    made = picture.read(tmp_path / "out.1001.hdr").pixels
+    np.testing.assert_array_equal(made, picture.read(single).pixels)
+    capsys.readouterr()
+    assert "is no frame of this job" in refused([*out, "--f-number", "8"], capsys)
+
+
+def test_halves_that_a_killed_run_left_are_removed_with_their_frame(tmp_path, capsys):
+    shot(tmp_path, 2)
+    half = tmp_path / ".out.1001.exr.4711-0.partial.exr"
+    half.write_bytes(b"half")
+    told(words(tmp_path), capsys)
+    assert not half.exists()
+    assert sorted(path.name for path in tmp_path.glob("out*")) == ["out.1001.exr", "out.1002.exr"]
+
+
+def test_frames_do_not_depend_on_the_number_of_threads():
+    """One processor or all that there are give the same bits."""
+    pixels = np.random.default_rng(1).random((*SHAPE, 3), dtype=np.float32)
+    pixels[5, 7] = 1000
+    source, made, processors = Picture(pixels), [], os.sched_getaffinity(0)
+    try:
+        for allowed in (set(list(processors)[:1]), processors):
+            os.sched_setaffinity(0, allowed)
+            # Another side of the kernel in between, so that it is made anew.
+            for side in (13, 15):
+                maker = jobs.GlareMaker.of(jobs.Optics(), kernel_size=side, pixel_pitch=20e-6)
+                frame = maker.make(source, 1)[0].pixels
+            made.append(frame)
+    finally:
+        os.sched_setaffinity(0, processors)
+    np.testing.assert_array_equal(made[0], made[1])
+    for threads in (1, 2, 64):
+        kernel = np.full((15, 15, 3), 1 / 225, dtype=np.float32)
+        spread = picture.Convolver(kernel, SHAPE, "double", threads)(pixels)
+        np.testing.assert_array_equal(spread, picture.Convolver(kernel, SHAPE, "double", 3)(pixels))
+
+
 def test_frames_of_another_job_are_not_replaced(tmp_path, capsys):
     shot(tmp_path, 2)
     told(words(tmp_path), capsys)

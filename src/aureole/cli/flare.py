@@ -2,16 +2,21 @@
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from aureole import flare as lenses
 from aureole import jobs, picture, refuse
-from aureole.cli import flare_options, options, output, views
+from aureole.cli import flare_options, options, output, sequence_runs, views
 from aureole.cli.flare_options import GhostFlags, LightFlags
+from aureole.cli.glare_options import FileFlags
+from aureole.cli.moving import MovingFlags, given
 from aureole.cli.options import ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, with_flags
+from aureole.cli.runs import GlareFiles
+from aureole.cli.sequence_runs import SequenceFlags
+from aureole.jobs import frame_files
 
 # Of the ghosts, how many a person is told.
 TOLD = 5
@@ -45,12 +50,16 @@ class FlareFiles:
 @with_flags("pupil", PupilFlags)
 @with_flags("ghosts", GhostFlags)
 @with_flags("lights", LightFlags)
+@with_flags("moving", MovingFlags)
+@with_flags("sequence", SequenceFlags)
 def flare(
     lens: flare_options.Name,
     out: options.Out,
     lights: LightFlags,
     ghosts: GhostFlags,
     pupil: PupilFlags,
+    moving: MovingFlags,
+    sequence: SequenceFlags,
     state: flare_options.State = None,
     f_number: flare_options.FNumber = None,
     iris: options.Iris = None,
@@ -72,7 +81,9 @@ def flare(
 
     Every ghost is light that two surfaces of the lens throw back. A light's own image sums to its strength,
     and the ghosts to as much less as the lens makes them: the ghost-to-image ratio is printed, and --gain
-    makes them brighter for the look. With --over the lights are as strong as the picture shows them.
+    makes them brighter for the look. With --over the lights are as strong as the picture shows them. Where
+    --over and OUT have #### they are sequences: frames that lie there whole are kept, one that is missing or
+    broken does not stop the rest (exit code 1).
 
     Examples:
 
@@ -86,10 +97,13 @@ def flare(
         aureole flare --lens canon_tele_zoom_135mm --light 5deg,-2deg --layers --starburst -o layers.exr
 
         aureole flare --lens heliar_tronnier_100mm --light 8deg,3deg --only 2-5 --size 960x540 -o one.exr
+
+        aureole flare --lens heliar_tronnier_100mm --over shot.####.exr --lights lights.jsonl -o out.####.exr
     """
     start = time.perf_counter()
     files = FlareFiles(out, over, layers, preview, options.memory(memory))
-    written = _places(files)
+    many = _many(files, sequence, moving, memory)
+    written = [] if many is not None else _places(files)
     shape = ShapeFlags(
         aperture, blades, curvature, rotation, obstruction, None, None, aperture_picture, pupil
     )
@@ -97,7 +111,7 @@ def flare(
     output.say_notes(notes)
     job = jobs.FlareJob(
         found,
-        over=_read(files),
+        over=None if many is not None else _read(files),
         shape=None if size is None else options.size(size),
         f_number=None if f_number is None else refuse.positive("f-number", f_number),
         opening=shape.opening(),
@@ -105,14 +119,41 @@ def flare(
         layers=layers,
         colour_space=colour_space,
         memory=files.memory,
-        **lights.values(),
+        **(lights if many is None else _unlisted(lights)).values(),
         **ghosts.values(),
     )
+    if many is not None:
+        sequence_runs.flare(job, many, lights.lights, as_json)
+        return
     result = output.follow(jobs.run(job))
     output.say_notes(result.notes)
     _write(files, result)
     report = result.report if as_json else _for_people(result.report)
     output.report("flare", report, written, as_json, time.perf_counter() - start)
+
+
+def _many(
+    files: FlareFiles, sequence: SequenceFlags, moving: MovingFlags, memory: str | None
+) -> sequence_runs.Sequence | None:
+    """Return which frames to make, None for one picture; refuse flags that do not go with what it is."""
+    if files.over is None or not frame_files.is_pattern(files.over):
+        for name in (*given(sequence), *given(moving)):
+            raise refuse.Refusal(
+                f"'{name}' is for sequences; --over and OUT need #### for the frame's number."
+            )
+        return None
+    if files.layers:
+        raise refuse.Refusal("'layers' is for one picture; it does not go with a sequence.")
+    how = FileFlags(memory=memory)
+    told = GlareFiles(files.over, files.out, preview=files.preview, how=how)
+    return sequence_runs.Sequence(told, sequence, moving)
+
+
+def _unlisted(lights: LightFlags) -> LightFlags:
+    """Return the same without the file of lights, from which each frame of a sequence takes its own."""
+    if lights.lights_frame is not None:
+        raise refuse.Refusal("'lights-frame' is for one picture; frames of a sequence know their number.")
+    return replace(lights, lights=None)
 
 
 def _places(files: FlareFiles) -> list[Path]:

@@ -127,7 +127,7 @@ class Sequence:
         crew = self.flags.crew()
         return one_by_one if crew.alone else jobs.spread_over(crew, lambda note: output.say_notes([note]))
 
-    def tasks(self, maker: jobs.FrameMaker, words: str) -> tuple[jobs.FrameTask, ...]:
+    def tasks(self, maker: jobs.FrameMaker, words: str | Callable[[int], str]) -> tuple[jobs.FrameTask, ...]:
         """Return the frames to make."""
         files = self.files
         return jobs.sequence_tasks(
@@ -208,6 +208,34 @@ def seen(eye: Over, asked: Sequence, as_json: bool) -> None:
     if len(job.eye.viewer.luminance) > 1:
         _say_when(asked, tasks[0].number)
     make("glare", asked, tasks, as_json)
+
+
+def flare(job: jobs.FlareJob, asked: Sequence, lights: Path | None, as_json: bool) -> None:
+    """Add a lens's flare to the frames of a sequence, and report.
+
+    Parameters
+    ----------
+    job : FlareJob
+        What to make, without its picture.
+    asked : Sequence
+        Which frames, and their files.
+    lights : Path, optional
+        File of lights.
+    as_json : bool
+        Whether a machine reads the report.
+    """
+    pattern = asked.files.source
+    if job.find == "auto":
+        # One threshold for all frames, so that no light comes and goes with it.
+        there = [frame_files.frame(pattern, number) for number in frame_files.found(pattern)]
+        job = replace(job, find=jobs.shot_threshold(there, asked.files.how.reading()))
+    maker = jobs.FlareMaker(replace(job, memory=asked.frame_memory), lights, asked.pace)
+    asked.check(maker.moves)
+    maker.refuse()
+    tasks = asked.tasks(maker, maker.words)
+    if maker.moves:
+        _say_when(asked, tasks[0].number)
+    make("flare", asked, tasks, as_json)
 
 
 def _say_when(asked: Sequence, number: int) -> None:

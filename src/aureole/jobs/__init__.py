@@ -29,6 +29,7 @@ frames          frames of an animation: which there are, which are done; one fra
 frame_files     numbered files: names with #### for the number, lists of frames, which lie there whole
 sequence        frames of a sequence from files to files, whatever befalls one of them
 glare_sequence  a camera's glare on each frame of a sequence, its kernel made once
+flare_sequence  the flare of a lens on each frame of a sequence
 sequence_video  a sequence as a video to look at
 sequence_sheet  its frames made small, on one sheet
 eye_preview     a point spread function of an eye drawn with degrees
@@ -66,6 +67,7 @@ from aureole.jobs.eye_preview import eye_brightness, write_eye_preview
 from aureole.jobs.eye_sequence import EyeGlareMaker
 from aureole.jobs.flare import FlareJob, FlareResult
 from aureole.jobs.flare_lights import Lamp
+from aureole.jobs.flare_sequence import FlareMaker
 from aureole.jobs.frames import (
     AnimationResult,
     Frame,
@@ -160,6 +162,7 @@ __all__ = [
     "EyeJob",
     "EyeResult",
     "FlareJob",
+    "FlareMaker",
     "FlareResult",
     "Frame",
     "FrameMaker",

@@ -228,7 +228,19 @@ def layer_name(path: GhostPath) -> str:
     return "ghost_" + path.name.replace("-", "_")
 
 
-def _set_up(job: FlareJob) -> _Setup:
+def refuse_words(job: FlareJob) -> None:
+    """Refuse words of a job that mean nothing, or do not go together.
+
+    Parameters
+    ----------
+    job : FlareJob
+        Any.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where its gain is no number, or its filter is unknown or does not go with layers.
+    """
     refuse.finite("gain", job.gain)
     if job.filter is not None:
         refuse.one_of("filter", job.filter, FILTERS)
@@ -236,6 +248,10 @@ def _set_up(job: FlareJob) -> _Setup:
             raise refuse.Refusal("filter 'median' does not go with 'layers', whose sum it would not keep.")
     if job.crop_ringing and (job.ringing is None or job.layers):
         raise refuse.Refusal("'crop-ringing' needs 'ringing', and does not go with 'layers'.")
+
+
+def _set_up(job: FlareJob) -> _Setup:
+    refuse_words(job)
     if job.colour_space != "rec709" and job.over is not None:
         raise refuse.Refusal("'colour-space' does not go with 'over': the flare takes the picture's own.")
     lens, shape, window, shown = _frame(job)

@@ -330,6 +330,8 @@ def run_frame(task: FrameTask) -> FrameOutcome:
         else:
             notes, report = _made(task)
             state = "done"
+            # A run that was killed in the middle of this frame left the half of it under another name.
+            picture.clear_partials(task.target)
     except refuse.Refusal as refusal:
         state, reason = "broken", str(refusal)
     except MemoryError:

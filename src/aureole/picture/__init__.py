@@ -6,6 +6,7 @@
 - `layers`: in: a `Picture` and layers that arrive one by one, out: one EXR with channels for each
 - `whole_files`: in: a path, out: a temporary to write, which is renamed to the path once it is whole
 - `metadata`: the records of what a file says, and the notes for the person who gave it
+- `radiance`: words in the header of .hdr files
 - `channels`: in: channel names, out: which of them are the picture
 - `luminance_chroma`: in: Y, RY, BY at their own resolutions, out: RGB
 - `primaries`: in: chromaticities, out: a colour space's name, and matrices between spaces

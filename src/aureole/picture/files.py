@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from aureole import refuse
-from aureole.picture import luminance_chroma, primaries
+from aureole.picture import luminance_chroma, primaries, radiance
 from aureole.picture.channels import choose_colour
-from aureole.picture.metadata import Attribute, Channel, Header, Window, text_of
+from aureole.picture.metadata import DESCRIPTION, Attribute, Channel, Header, Window, text_of
 
 if TYPE_CHECKING:  # imported where it is used, so that importing the room stays quick
     import OpenImageIO
@@ -241,6 +241,9 @@ def _header(path: Path, source: "OpenImageIO.ImageInput") -> Header:
     data = Window(spec.x, spec.y, spec.width, spec.height)
     display = Window(spec.full_x, spec.full_y, spec.full_width, spec.full_height)
     attributes, lost_note = _attributes(spec, format)
+    words = radiance.words_of(path) if format == "hdr" else None
+    if words is not None:
+        attributes[DESCRIPTION] = Attribute("string", words)
     turned = orientation(spec, format) in QUARTER_TURNS
     aspect = spec.get_float_attribute("PixelAspectRatio", 1.0) or 1.0
     return Header(

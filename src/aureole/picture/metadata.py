@@ -36,6 +36,10 @@ class Window:
     height: int
 
 
+# The attribute in which a file says in words what it is.
+DESCRIPTION = "ImageDescription"
+
+
 @dataclass(frozen=True)
 class Attribute:
     """One attribute of a file.

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from aureole import refuse
 from aureole.picture import color_config as ocio
+from aureole.picture import radiance
 from aureole.picture.files import format_of, said
 from aureole.picture.layout import LOSSLESS, PIXEL_TYPES, Sheet, exr_sheet, flat_sheet
-from aureole.picture.metadata import Header, header_of
+from aureole.picture.metadata import DESCRIPTION, Header, header_of
 from aureole.picture.whole_files import whole_file, writable
 from aureole.records import Picture
 
@@ -84,6 +85,9 @@ def write(
         sheet = flat_sheet(format, picture, pixel_type, transfer)
     with whole_file(place) as part:
         _save(part, path, sheet)
+        described = header_of(picture)
+        if format == "hdr" and described is not None and DESCRIPTION in described.attributes:
+            radiance.set_words(part, str(described.attributes[DESCRIPTION].value))
     return tuple(f"'{place.name}': {note}." for note in sheet.notes)
 
 
