@@ -93,7 +93,7 @@ class Sequence:
         first = self.flags.first_frame
         return jobs.Pace(self.moving.rate(), 0 if first is None else refuse.at_least("first-frame", first, 0))
 
-    def check(self, moves: bool) -> None:
+    def check(self, moves: bool = False) -> None:
         """Refuse flags of single pictures and of animations, and files that could not be written."""
         for name in given(self.moving):
             if name not in ("frames", "overwrite", "fps", "contact-sheet"):
