@@ -33,7 +33,7 @@ def seen(
 
 
 def whole(size: int, runs: int) -> None:
-    """Time 69 samples of a round light by every method."""
+    """Time 77 samples of a round light by every method."""
     print(f"{'occluder':14}{'method':14}{'samples':>8}{'transforms':>11}{'ms':>8}{'faster':>8}")
     for slant in (False, True):
         ways = {way: partial(seen, size, way, across=9, slant=slant) for way in METHODS}

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from aureole import Grid, aperture
+from aureole.bench import area_light
 from aureole.diffraction import Quads, paint, quadtree
 from aureole.diffraction.quads import box_factors, quads_field
 from aureole.records import Aperture
@@ -111,6 +112,18 @@ def test_section_6_quarter_size_takes_about_half_the_quads_of_half_size():
     mask = aperture.rasterize(Aperture(1.0, SHAPES["heptagon"].outlines), 1024)
     half, quarter = (len(quadtree(mask, 1.0, finest)) for finest in ("half", "quarter"))
     assert 1.8 < half / quarter < 2.3
+
+
+def test_section_6_1_an_area_light_of_81_samples_takes_few_transforms():
+    # The paper takes half of FFT's time, 31.9 ms for 63.4 ms; FFT takes 81 transforms.
+    painted = area_light.masks("heptagon", "disc", 1024)
+    assert len(painted) == 81
+    total = area_light.by_method(painted, "modes", 0.01)
+    found = total.result()
+    assert total.transforms < 81 / 8
+    apart = area_light.errors(found, area_light.with_pixels(area_light.by_transforms(painted)))
+    assert apart["of_peak"] < 0.01
+    assert apart["of_light"] <= total.estimated <= 0.01
 
 
 def test_equation_11():

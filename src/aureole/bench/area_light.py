@@ -231,7 +231,7 @@ def _scene(
     times = yield from alternate(tasks, bench.runs)
     shared = {"opening": name, "occluder": occluder, "samples": len(painted), "masks_ms": making}
     rows.append(shared | {"method": FFT, "transforms": len(painted), "ms": times[FFT]})
-    truth = _with_pixels(by_transforms(painted))
+    truth = with_pixels(by_transforms(painted))
     for way, sum_of in ways.items():
         total = sum_of()
         found = total.result()
@@ -264,8 +264,19 @@ def errors(found: NDArray[np.float32], truth: NDArray[np.float32]) -> dict[str, 
     }
 
 
-def _with_pixels(power: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Multiply a power at an FFT's own frequencies by that of a pixel, which is a small square."""
+def with_pixels(power: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Multiply a power at an FFT's own frequencies by that of a pixel, which is a small square.
+
+    Parameters
+    ----------
+    power : ndarray of float32, shape (n, n)
+        Frequency zero in the middle.
+
+    Returns
+    -------
+    ndarray of float32, shape (n, n)
+        The power of the mask as pixels.
+    """
     size = len(power)
     pixel = np.sinc((np.arange(size) - size // 2) / size) ** 2
     return (power * pixel[:, None] * pixel).astype(np.float32)
