@@ -18,6 +18,7 @@ surface_runs  running the jobs of diffractive surfaces and writing their files
 bench     the commands `aureole bench`
 options   flags that several commands share
 cluster_options flags of who makes frames
+occlusion_options  flags of what crops the iris that lights see
 pupil_options  flags of vanes, dirt and wavefronts
 glare_options  flags of files and of mixing
 flare_options  flags of a lens's lights and ghosts

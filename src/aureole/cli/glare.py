@@ -9,6 +9,7 @@ from aureole.cli.field_options import FieldFlags
 from aureole.cli.glare_options import FileFlags, KernelFile, Look, LookFlags
 from aureole.cli.lights_options import GlareLightFlags
 from aureole.cli.moving import MovingFlags, given
+from aureole.cli.occlusion_options import OcclusionFlags
 from aureole.cli.options import ShapeFlags
 from aureole.cli.pupil_options import PupilFlags, with_flags
 from aureole.cli.sequence_runs import SequenceFlags
@@ -27,6 +28,7 @@ SHARED = ("seed", "defocus", "zernike")
 @with_flags("mixing", LookFlags)
 @with_flags("how", FileFlags)
 @with_flags("lit", GlareLightFlags)
+@with_flags("behind", OcclusionFlags)
 def glare(
     source: options.Source,
     out: options.Out,
@@ -39,6 +41,7 @@ def glare(
     mixing: LookFlags,
     how: FileFlags,
     lit: GlareLightFlags,
+    behind: OcclusionFlags,
     focal_length: options.FocalLength = None,
     f_number: options.FNumber = None,
     preset: options.Preset = None,
@@ -77,6 +80,8 @@ def glare(
 
         aureole glare night.exr -o out.exr --lights auto
 
+        aureole glare sunset.exr -o out.exr --occlusion picture
+
         aureole glare night.exr -o out.exr --dust 10% --dust-scale 0.3mm --scratches 20 --seed 7
 
         aureole glare night.exr -o out.exr --f-number 2.8 --lens zeiss_biotar_50mm --field 5x3
@@ -97,7 +102,10 @@ def glare(
     many = sequence_runs.Sequence(files, sequence, moving)
     lens = {"focal-length": focal_length, "f-number": f_number, "sensor": sensor, "iris": iris}
     lens |= {"pixel-pitch": pitch}
+    hidden = behind.wanted()
     if over.eye:
+        if hidden is not None:
+            raise refuse.Refusal("'occlusion' is of cameras; it does not go with --eye.")
         _refuse_camera({**lens, "kernel": kernel_file}, shape, across, "--eye", SHARED)
         eye = _eye(viewer, moving, pupil, preset, look.illuminant)
         _seen(eye_runs.Over(eye, files, look, over, kernel_size), many, as_json)
@@ -108,7 +116,8 @@ def glare(
     camera = options.optics(shape, preset, iris, focal_length, f_number, sensor)
     ready = None if kernel_file is None else str(kernel_file)
     field = across.wanted(pupil)
-    kernel = runs.Kernel(kernel_size, options.pixel_pitch(pitch), across.whole_kernel, field, ready)
+    size = options.pixel_pitch(pitch)
+    kernel = runs.Kernel(kernel_size, size, across.whole_kernel, field, ready, hidden)
     _camera(camera, many, look, kernel, as_json)
 
 

@@ -62,6 +62,8 @@ class Kernel:
         As in `aureole.jobs.GlareJob`.
     kernel : str, optional
         As in `aureole.jobs.GlareJob`.
+    occlusion : GlareOcclusion, optional
+        As in `aureole.jobs.GlareJob`.
     """
 
     kernel_size: int | None = None
@@ -69,6 +71,7 @@ class Kernel:
     whole_kernel: bool = False
     field: jobs.GlareField | None = None
     kernel: str | None = None
+    occlusion: jobs.GlareOcclusion | None = None
 
 
 def glare(

@@ -11,6 +11,9 @@ area_light  lights with a size behind what hides parts of them: powers of their 
 power_sums  powers of many openings added up: a transform each, few for all, or from change to change
 coherent_modes  few fields that stand for those of many openings that differ little
 area_psf    the same in colour on a camera's pixels, and as a picture of the lamp with its glare
+visibility  how much of the opening each pixel sees past an occluder, out of focus
+lamp_layer  a lamp behind occluders as its light lies on a frame
+neighbourhood  what crops the iris, guessed from the picture about a light
 composite   replace, scatter, add and bloom
 bloom       glare from box to box of a few pixels, for speed; how far it is from the full one
 sources     which light of a picture makes glare: the knee, the matte
@@ -99,6 +102,13 @@ from aureole.glare.lamp_files import LampList, read_lamps, write_lamps
 from aureole.glare.lamp_layer import LampPatch, lamp_layer, lamp_patch, lamp_reach
 from aureole.glare.lamp_matte import lamp_matte, lit_about
 from aureole.glare.lamps import MOST_LAMPS, Lamp, find_lamps, lamp_threshold, luminances
+from aureole.glare.neighbourhood import (
+    INSIDE,
+    circle_about,
+    cropped_opening,
+    light_pixels,
+    neighbourhood_radius,
+)
 from aureole.glare.photosafe import FlashLimiter, flash_measures, flashes
 from aureole.glare.power_sums import ModeSum, PowerSum, Summing, TransformSum, power_sum
 from aureole.glare.real_time import RealTimeGlare
@@ -113,6 +123,7 @@ __all__ = [
     "EYE_MODES",
     "FRAMES",
     "HOSTS",
+    "INSIDE",
     "KNEES",
     "MODES",
     "MOST_LAMPS",
@@ -161,11 +172,13 @@ __all__ = [
     "check_eye",
     "cie_135",
     "cie_146",
+    "circle_about",
     "compact_light",
     "component_psfs",
     "component_weights",
     "composite",
     "corona_layers",
+    "cropped_opening",
     "difference",
     "encircled_energy",
     "eye_aperture",
@@ -195,6 +208,7 @@ __all__ = [
     "lamp_reach",
     "lamp_threshold",
     "lasting",
+    "light_pixels",
     "light_samples",
     "lit_about",
     "load_flipbooks",
@@ -202,6 +216,7 @@ __all__ = [
     "lumps",
     "make_flipbooks",
     "make_flipbooks_stages",
+    "neighbourhood_radius",
     "nonnegative",
     "open_share",
     "open_share_of",

@@ -155,9 +155,8 @@ def lamp_layer(
             f"got {given[1]} x {given[0]}."
         )
     kernel = nonnegative(found.psf).pixels / np.float32(found.visible)
-    # The wide core of a narrow opening can hold more than all light by rounding; it is taken back there.
-    core = kernel.shape[0] // 2, kernel.shape[1] // 2
-    kernel[core] -= np.clip(channel_sums(kernel) - 1, 0, kernel[core])
+    # Where slivers of an opening are left, rounding can make more of their light than there is.
+    kernel /= np.maximum(channel_sums(kernel), 1).astype(np.float32)
     window = _window(kernel, patch, resolution)
     spread = picture.convolve(
         window, np.repeat((sharp / total)[..., None], 3, axis=2), method="fft", precision="double"

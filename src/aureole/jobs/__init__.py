@@ -28,6 +28,7 @@ eye_sequence    each frame of a sequence as an eye sees it at its time
 frames          frames of an animation: which there are, which are done; one frame of a sequence, alone
 frame_files     numbered files: names with #### for the number, lists of frames, which lie there whole
 sequence        frames of a sequence from files to files, whatever befalls one of them
+glare_occlusion glare of lights behind something, in pictures that were made
 glare_sequence  a camera's glare on each frame of a sequence, its kernel made once
 flare_sequence  the flare of a lens on each frame of a sequence
 sequence_video  a sequence as a video to look at
@@ -81,6 +82,7 @@ from aureole.jobs.frames import (
 from aureole.jobs.glare import GlareJob, GlareResult, read_matte
 from aureole.jobs.glare_field import LENS_RIMS, GlareField
 from aureole.jobs.glare_lights import GlareLights, lights_of_frame, lit_by
+from aureole.jobs.glare_occlusion import GlareOcclusion
 from aureole.jobs.glare_sequence import GlareMaker
 from aureole.jobs.glare_sources import GlareSources
 from aureole.jobs.lamp_frames import LampMaker, lamp_tasks
@@ -173,6 +175,7 @@ __all__ = [
     "GlareJob",
     "GlareLights",
     "GlareMaker",
+    "GlareOcclusion",
     "GlareResult",
     "GlareSources",
     "Lamp",

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aureole import glare, light, picture, refuse
+from aureole.jobs import glare_occlusion
 from aureole.jobs.glare_field import FieldKernels, GlareField, PreparedField, field_stages
+from aureole.jobs.glare_occlusion import GlareOcclusion
 from aureole.jobs.optics import Optics
 from aureole.jobs.starburst import psf_report
 from aureole.records import Camera, Picture, Stage
@@ -56,6 +58,8 @@ class GlareJob:
         Part of the kernel's half size over which it fades to zero.
     precision : str
         Of the convolution, "single" or "double".
+    occlusion : GlareOcclusion, optional
+        What hides parts of the iris from the lights; nothing does otherwise.
     kernel : str, optional
         File of a point spread function in place of the camera's: energy per pixel, its core at
         (rows // 2, columns // 2), at most 1 in all.
@@ -79,6 +83,7 @@ class GlareJob:
     method: str = "auto"
     border_fade: float = 0.25
     precision: str = "double"
+    occlusion: GlareOcclusion | None = None
     kernel: str | None = None
     memory: int | None = None
 
@@ -221,11 +226,31 @@ def lay_over(job: GlareJob, prepared: PreparedGlare) -> GlareResult:
         tint=job.tint,
     )
     report = prepared.report | {"mode": job.mode}
+    if job.occlusion is not None:
+        out, report["occluded_lights"] = _occluded(job, job.occlusion, source, out, prepared)
     report["energy_returned_to_core"] = prepared.composition.returned
     report["sum_before"] = picture_sums(job.picture)
     report["sum_after"] = picture_sums(out)
     out = Picture(out.pixels, job.picture.colour_space, job.picture.metadata)
     return GlareResult(out, prepared.psf, prepared.camera, report)
+
+
+def _occluded(
+    job: GlareJob, how: GlareOcclusion, source: Picture, out: Picture, prepared: PreparedGlare
+) -> tuple[Picture, list[dict[str, Any]]]:
+    """Give lights behind something the glare of what they see of the iris; tell which they are."""
+    lights = glare_occlusion.occluded_lights(source, prepared.camera, how)
+    lamp, shape = light.illuminant(job.illuminant), prepared.psf.pixels.shape[:2]
+    fade = 0.0 if job.whole_kernel else job.border_fade
+
+    def psf_of(camera: Camera) -> Picture:
+        return glare.camera_psf(camera, shape, lamp, source.colour_space, job.method, border_fade=fade)
+
+    def lay(part: Picture, psf: Picture | glare.Composition) -> Picture:
+        return glare.composite(part, psf, job.mode, matte=job.matte, precision=job.precision)
+
+    seen = glare_occlusion.with_occlusion(out, source, lights, psf_of, lay, prepared.composition)
+    return seen, glare_occlusion.occlusion_report(lights)
 
 
 def refuse_words(job: GlareJob) -> None:
@@ -243,6 +268,10 @@ def refuse_words(job: GlareJob) -> None:
     """
     refuse.one_of("mode", job.mode, glare.MODES)
     refuse.one_of("precision", job.precision, ("single", "double"))
+    if job.occlusion is not None:
+        glare_occlusion.check(job.occlusion, job.mode)
+        for name in (name for name in ("field", "kernel") if getattr(job, name) is not None):
+            raise refuse.Refusal(f"'occlusion' needs the camera's one iris; it does not go with '{name}'.")
     if job.kernel is not None:
         sizes = {"kernel_size": job.kernel_size, "whole_kernel": job.whole_kernel or None, "field": job.field}
         for name in (name for name, value in sizes.items() if value is not None):

@@ -104,9 +104,11 @@ class GlareMaker(FrameMaker):
         Returns
         -------
         tuple of Path
-            Its matte, where each has its own.
+            Its mattes, where each has its own.
         """
-        return self.sources.inputs(number)
+        occlusion = self.job.occlusion
+        files = () if occlusion is None or occlusion.matte is None else (occlusion.at(number).matte,)
+        return (*self.sources.inputs(number), *(path for path in files if path is not None))
 
     def make(self, source: Picture, number: int) -> tuple[Picture, dict[str, Any]]:
         """Return a frame from the picture of its source, and its plain numbers.
@@ -128,7 +130,10 @@ class GlareMaker(FrameMaker):
         optics = self.job.optics.at(time=self.pace.time(number)) if self.moves else self.job.optics
         matte = self.sources.of(source, number)
         job = dataclasses.replace(self.job, picture=source, matte=matte, optics=optics)
-        result = lay_over(job, _kernel(job))
+        # What crops the iris changes from frame to frame; the kernel of all other light does not.
+        occlusion = None if job.occlusion is None else job.occlusion.at(number)
+        kernel = _kernel(dataclasses.replace(job, occlusion=None))
+        result = lay_over(dataclasses.replace(job, occlusion=occlusion), kernel)
         return result.picture, result.report
 
 
