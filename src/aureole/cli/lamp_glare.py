@@ -57,7 +57,7 @@ class ShotFlags:
         Path | None,
         typer.Option(
             "--contact-sheet",
-            help="Also write small pictures of all frames on one sheet: PNG.",
+            help="Also write small pictures of all frames on one sheet: PNG or JPEG.",
             rich_help_panel=FILES,
         ),
     ] = None
