@@ -202,7 +202,7 @@ def _matte(path: Path, shape: tuple[int, ...]) -> NDArray[np.floating]:
         raise refuse.Refusal(
             f"'occluder' must be {shape[1]} x {shape[0]} pixels like the picture, got {have[1]} x {have[0]}."
         )
-    return np.clip(given.pixels[..., :3].mean(axis=2), 0, 1)
+    return np.asarray(np.clip(given.pixels[..., :3].mean(axis=2), 0, 1))
 
 
 def check(how: GlareOcclusion, mode: str) -> None:
