@@ -27,6 +27,7 @@ tile_systems        its lenses, lights and grids of rays
 tile_measures       one lens with one light or two
 tile_whole          whole pictures against fine grids
 area_light        many samples of a light behind occluders: few transforms for all, and one each
+bloom             bloom and the full convolution: time, and how far apart what they add is
 eye               the eye thesis's bench, and which of these belongs to it:
 eye_frames          its Figures 4.1 and 4.2, and its memory
 eye_patterns        patterns from scratch, their sum, and CIE 135
@@ -48,6 +49,7 @@ report            tables and reports
 """
 
 from aureole.bench.area_light import AreaLightBench, run_area_light
+from aureole.bench.bloom import BloomBench, run_bloom
 from aureole.bench.eye import EyeBench, run_eye
 from aureole.bench.flare_peers import FlarePeersBench, run_flare_peers
 from aureole.bench.near_field import NearFieldBench, run_near_field
@@ -59,6 +61,7 @@ from aureole.bench.tile_paper import TilePaperBench, run_tile_paper
 
 __all__ = [
     "AreaLightBench",
+    "BloomBench",
     "Column",
     "EyeBench",
     "FlarePeersBench",
@@ -71,6 +74,7 @@ __all__ = [
     "TilePaperBench",
     "plain",
     "run_area_light",
+    "run_bloom",
     "run_eye",
     "run_flare_peers",
     "run_near_field",

@@ -228,6 +228,31 @@ def area_light(
     _run(bench.run_area_light(bench.AreaLightBench(size, across, runs, _names(only))), out, as_json)
 
 
+@app.command()
+def bloom(
+    source: Annotated[
+        Path | None, typer.Argument(help="A linear picture; the bundled night scene otherwise.")
+    ] = None,
+    width: Annotated[int, typer.Option(help="Columns that the picture is scaled to.")] = 1920,
+    height: Annotated[int, typer.Option(help="Rows.")] = 1080,
+    runs: Runs = 9,
+    out: Results = None,
+    as_json: options.Json = False,
+) -> None:
+    """Bloom beside the full convolution of a picture: time, and how far apart what they add is.
+
+    The camera is the default one, the full convolution that of --mode scatter, whose glare bloom stands for.
+    A picture is scaled by straight lines.
+
+    Examples:
+
+        aureole bench bloom
+
+        aureole bench bloom photograph.exr --runs 15 -o bloom.json
+    """
+    _run(bench.run_bloom(bench.BloomBench(source, (height, width), runs)), out, as_json)
+
+
 def _names(only: str | None) -> tuple[str, ...]:
     return () if only is None else tuple(name.strip().lower() for name in only.split(","))
 
