@@ -110,9 +110,25 @@ def test_what_it_adds_to_the_night_scene_is_within_40_db_of_what_the_full_one_ad
     )
     exposure = float(np.percentile(full, 99.9))
     assert picture.psnr(fast, full, peak=exposure).min() > 40
+    # The estimate sums the full one at a few pixels: within a few decibels.
+    laid = Picture(fast + source.pixels, source.colour_space)
+    truth = -10 * np.log10(np.square((fast - full) / exposure, dtype=np.float64).mean())
+    assert glare.bloom_psnr(source, kernel, laid, samples=400) == pytest.approx(truth, abs=5)
     # Its darkness shows that the bright places alone do not make the number.
     dark = full.max(axis=2) < np.percentile(full, 50)
     np.testing.assert_allclose(fast[dark].mean(), full[dark].mean(), rtol=0.02)
+
+
+def test_the_estimate_from_all_pixels_is_the_error_itself():
+    pixels, kernel = (RNG.random((40, 50, 3)) ** 9).astype(np.float32) * 30, star_psf(31)
+    source, matte = Picture(pixels), RNG.random((40, 50))
+    full = glare.composite(source, kernel, "scatter", matte=matte, precision="double").pixels
+    other = Picture(full + RNG.normal(0, 0.01, full.shape).astype(np.float32))
+    added = other.pixels - pixels
+    squares = np.square(other.pixels - full, dtype=np.float64).mean()
+    truth = 10 * np.log10(np.percentile(added, 99.9) ** 2 / squares)
+    assert glare.bloom_psnr(source, kernel, other, matte, samples=8000) == pytest.approx(truth, abs=0.01)
+    assert glare.bloom_psnr(source, kernel, source) == np.inf
 
 
 def test_a_matte_limits_the_sources():

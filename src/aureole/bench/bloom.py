@@ -21,24 +21,23 @@ SCENE = "night"
 EXPOSED = 99.9
 COLUMNS = (
     Column("picture", "{picture}", words=True),
-    Column("pixels", "{columns}×{rows}", words=True),
     Column("bloom", "{bloom_ms:.0f} ms"),
-    Column("full, double", "{double_ms:.0f} ms"),
+    Column("double", "{double_ms:.0f} ms"),
     Column("faster", "{faster_than_double:.1f}x"),
-    Column("full, single", "{single_ms:.0f} ms"),
+    Column("single", "{single_ms:.0f} ms"),
     Column("faster", "{faster_than_single:.1f}x"),
     Column("added", "{psnr_db:.1f} dB"),
-    Column("worst channel", "{psnr_worst_db:.1f} dB"),
-    Column("as shown", "{psnr_shown_db:.1f} dB"),
-    Column("darker half", "{darker_half:+.2%}"),
+    Column("worst", "{psnr_worst_db:.1f} dB"),
+    Column("shown", "{psnr_shown_db:.1f} dB"),
+    Column("dark", "{darker_half:+.2%}"),
 )
 NOTES = (
-    "Full: the mode scatter, which bloom stands for, at both precisions; double is what the command takes "
+    "double, single: the mode scatter, which bloom stands for, at both precisions; the command takes double "
     "unless told otherwise. Kernels are prepared before, as for a sequence; ms are medians from picture in "
     "to picture out, in turn.",
     "added: PSNR of what bloom adds (out − in) to what the full one adds, all channels together, exposed so "
-    f"that the full one's {EXPOSED}th percentile is 1. as shown: the same cut to 0..1. darker half: bloom's "
-    "light over the full one's, less one, where the full one adds less than its median.",
+    f"that the full one's {EXPOSED}th percentile is 1. worst: one channel. shown: all, cut to 0..1. dark: "
+    "bloom's light over the full one's, less one, where the full one adds less than its median.",
 )
 
 
@@ -101,7 +100,8 @@ def _bloom(name: str, source: Picture, runs: int) -> Iterator[Stage]:
     """Time bloom and the full convolution, and compare what they add."""
     row: dict[str, Any] = {"picture": name}
     yield from _compared(source, runs, row)
-    title = "Bloom beside the full convolution, the default camera"
+    size = f"{row['columns']}×{row['rows']}"
+    title = f"Bloom beside the full convolution, {size}, the default camera"
     yield Stage(1.0, "bloom", (Table("bloom", title, COLUMNS, (row,), NOTES),))
 
 

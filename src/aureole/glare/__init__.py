@@ -15,7 +15,8 @@ visibility  how much of the opening each pixel sees past an occluder, out of foc
 lamp_layer  a lamp behind occluders as its light lies on a frame
 neighbourhood  what crops the iris, guessed from the picture about a light
 composite   replace, scatter, add and bloom
-bloom       glare from box to box of a few pixels, for speed; how far it is from the full one
+bloom       glare from box to box of a few pixels, and near lights from pixel to pixel, for speed
+bloom_error how far that is from the full convolution, told from a few pixels
 sources     which light of a picture makes glare: the knee, the matte
 lamps       the lights that a picture shows: place, flux, colour, size
 lamp_matte  which light of a picture is that of its lamps
@@ -61,6 +62,7 @@ from aureole.glare.area_light import (
     sample_openings,
 )
 from aureole.glare.area_psf import AreaPsf, area_glare, area_psf, area_psf_stages, lamp_picture
+from aureole.glare.bloom_error import bloom_psnr
 from aureole.glare.camera import camera, camera_psf, camera_psf_stages, pupil
 from aureole.glare.camera_field import (
     camera_at,
@@ -162,6 +164,7 @@ __all__ = [
     "area_psf_stages",
     "axis_nodes",
     "blinks",
+    "bloom_psnr",
     "camera",
     "camera_at",
     "camera_direction",

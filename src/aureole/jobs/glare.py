@@ -1,6 +1,7 @@
 """The main job: a linear HDR picture in, the same picture with a camera's glare out."""
 
 import dataclasses
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -154,7 +155,12 @@ def run_glare(job: GlareJob) -> Iterator[Stage]:
         yield Stage(0.8 * stage.fraction, stage.label)
     assert isinstance(prepared, PreparedGlare)
     yield Stage(0.8, "spreading the light")
-    yield Stage(1.0, "glare", lay_over(job, prepared))
+    result = lay_over(job, prepared)
+    if job.mode == "bloom" and job.field is None:
+        yield Stage(0.9, "estimating the error")
+        found = glare.bloom_psnr(in_working_space(job.picture)[0], prepared.psf, result.picture, job.matte)
+        result.report["bloom_psnr_db"] = round(found, 1) if math.isfinite(found) else None
+    yield Stage(1.0, "glare", result)
 
 
 def prepared_glare(job: GlareJob) -> Iterator[Stage]:
