@@ -127,6 +127,9 @@ def test_pictures_are_small_and_each_is_shown():
 def test_each_picture_of_a_page_is_made_by_its_script(page, script):
     """Loops write some of them: over methods, over Fresnel numbers."""
     made = (ROOT / "docs" / f"{script}.sh").read_text(encoding="utf-8")
+    # Scripts that it calls are part of it.
+    for called in re.findall(r"sh (docs/\w+\.sh)", made):
+        made += (ROOT / called).read_text(encoding="utf-8")
     looped = r"spectrum-(scaled|batch|coherence)\.jpg|near-(1|5|30|200)\.jpg"
     for name in re.findall(
         r"\(pictures/([\w.-]+)\)", (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
