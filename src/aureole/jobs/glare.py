@@ -23,6 +23,8 @@ BYTES_PER_KERNEL_PIXEL = 150
 BYTES_PER_PIXEL = 100
 # A field's kernels are kept twice: as they came, and what of them is spread.
 BYTES_PER_FURTHER_KERNEL = 24
+# Their spectra are kept where they fit: twice the kernel's pixels at most, three channels, double precision.
+BYTES_PER_SPECTRUM_PIXEL = 48
 
 
 @dataclass(frozen=True, eq=False)
@@ -407,6 +409,8 @@ def _refuse_memory(job: GlareJob, shape: tuple[int, int]) -> None:
     kernels = 1 if job.field is None else job.field.nodes[0] * job.field.nodes[1] + 1
     needed = (BYTES_PER_KERNEL_PIXEL + BYTES_PER_FURTHER_KERNEL * (kernels - 1)) * shape[0] * shape[1]
     needed += BYTES_PER_PIXEL * rows * columns
+    if kernels > 1:
+        needed += min(picture.MOST_SPECTRA, BYTES_PER_SPECTRUM_PIXEL * kernels * shape[0] * shape[1])
     limit = picture.allowed_memory(job.memory)
     if needed > limit:
         raise refuse.Refusal(

@@ -22,7 +22,7 @@
 - `scene`: in: a size and a seed, out: the bundled night scene; `_canvas` and `_far_shore` draw for it
 """
 
-from aureole.picture.convolution import Convolver, PlacesConvolver, convolve
+from aureole.picture.convolution import MOST_SPECTRA, Convolver, PlacesConvolver, convolve
 from aureole.picture.display import auto_exposure, false_colour, log_scale, side_by_side, to_display
 from aureole.picture.files import SUFFIXES, allowed_memory, describe, format_of, refuse_memory
 from aureole.picture.layers import Layers, attributes_of, write_layers
@@ -50,6 +50,7 @@ from aureole.picture.writing import COMPRESSIONS, write
 
 __all__ = [
     "COMPRESSIONS",
+    "MOST_SPECTRA",
     "SUFFIXES",
     "Attribute",
     "Channel",
