@@ -21,3 +21,6 @@ $PYTHON docs/sequence_pictures.py stack $TO/sequence-lights.jpg 640x150+300+180 
 
 # Dirt, lashes, and openings that the housing crops.
 AUREOLE=$AUREOLE PYTHON=$PYTHON sh docs/sequence_dirt.sh
+
+# Bloom beside the full convolution.
+AUREOLE=$AUREOLE PYTHON=$PYTHON sh docs/sequence_bloom.sh
