@@ -10,6 +10,7 @@ kernel      fading, non-negative kernels, what other programs expect
 area_light  lights with a size behind what hides parts of them: powers of their points, added up
 power_sums  powers of many openings added up: a transform each, few for all, or from change to change
 coherent_modes  few fields that stand for those of many openings that differ little
+moving_power  the same while occluders move, each frame from the one before
 area_psf    the same in colour on a camera's pixels, and as a picture of the lamp with its glare
 visibility  how much of the opening each pixel sees past an occluder, out of focus
 lamp_layer  a lamp behind occluders as its light lies on a frame
@@ -104,6 +105,7 @@ from aureole.glare.lamp_files import LampList, read_lamps, write_lamps
 from aureole.glare.lamp_layer import LampPatch, lamp_layer, lamp_patch, lamp_reach
 from aureole.glare.lamp_matte import lamp_matte, lit_about
 from aureole.glare.lamps import MOST_LAMPS, Lamp, find_lamps, lamp_threshold, luminances
+from aureole.glare.moving_power import MovingPower
 from aureole.glare.neighbourhood import (
     INSIDE,
     circle_about,
@@ -149,6 +151,7 @@ __all__ = [
     "LampTracker",
     "LightSamples",
     "ModeSum",
+    "MovingPower",
     "Population",
     "PowerSum",
     "RealTimeGlare",

@@ -221,6 +221,12 @@ class PowerSum:
             self.transforms += 1
         self._waiting += weight
 
+    def restart(self) -> None:
+        """Begin another sum; what comes next is still transformed from what came last."""
+        self._settle()
+        self._total[...] = 0
+        self.transforms = 0
+
     def result(self) -> F32:
         """Return the sum so far.
 
