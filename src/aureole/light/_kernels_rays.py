@@ -109,9 +109,10 @@ def leave_rays(
     starts: NDArray[np.int64],
     stops: NDArray[np.int64],
     symmetric: bool,
+    by_columns: bool,
     out: NDArray[np.float32],
 ) -> None:
-    """Fill the pixels of out (R, C, 3) that lie in two opposite fans, from their sums along rays.
+    """Fill the pixels of out that lie in two opposite fans, from their sums along rays.
 
     Parameters
     ----------
@@ -128,7 +129,9 @@ def leave_rays(
         Which of the positions along each line lie in the fans.
     symmetric : bool
         Whether one fan serves both.
-    out : ndarray of float32, shape (R, C, 3)
+    by_columns : bool
+        Whether the lines are the output's columns.
+    out : ndarray of float32, shape (R, C, 3), or (C, R, 3) by columns
         Filled from start to stop in each line.
     """
     rays = fans.shape[3]
@@ -160,4 +163,7 @@ def leave_rays(
                 for channel in range(3):
                     value = blended[channel, index]
                     value += (blended[channel, index + np.uint32(1)] - value) * t
-                    out[i, j, channel] = max(value, np.float32(0.0))
+                    if by_columns:
+                        out[j, i, channel] = max(value, np.float32(0.0))
+                    else:
+                        out[i, j, channel] = max(value, np.float32(0.0))

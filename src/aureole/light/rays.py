@@ -134,10 +134,9 @@ class _Rays:
         pixels = np.empty((*shape, 3), dtype=np.float32)
         upper = shape[0] // 2 + 1 if task.symmetric else shape[0]
         by_rows, by_columns = self._fans()
-        part, turned = pixels[:upper], pixels[:upper].transpose(1, 0, 2)
-        y, x = self._y[:upper], self._x
-        self._leave(by_rows, y, x, True, part)
-        self._leave(by_columns, x, y, False, turned)
+        part, y, x = pixels[:upper], self._y[:upper], self._x
+        self._leave(by_rows, y, x, False, part)
+        self._leave(by_columns, x, y, True, part)
         if task.symmetric:
             self._lower(by_rows, by_columns, pixels)
         return pixels
@@ -151,9 +150,10 @@ class _Rays:
         centre, columns = pixels.shape[0] // 2, pixels.shape[1]
         _kernels.turn(pixels, centre)
         if columns % 2 == 0:
-            edge, y, x = pixels[centre + 1 :, :1], self._y[centre + 1 :], self._x[:1]
-            self._leave(by_rows, y, x, True, edge)
-            self._leave(by_columns, x, y, False, edge.transpose(1, 0, 2))
+            edge, y, x = pixels[centre + 1 :, :1].copy(), self._y[centre + 1 :], self._x[:1]
+            self._leave(by_rows, y, x, False, edge)
+            self._leave(by_columns, x, y, True, edge)
+            pixels[centre + 1 :, :1] = edge
 
     def _node(self, radius: float) -> int:
         return math.ceil(math.asinh(radius * self._far / NEAR_STEP) / self._far)
@@ -172,12 +172,11 @@ class _Rays:
             image = self._pattern.intensity[::steps, ::steps].astype(np.float32, copy=False)
             for by_columns, fan in enumerate(fans):
                 framed, origin = self._framed(image, bool(by_columns), turn)
-                jobs += [(framed, origin, slice(ray, ray + CHUNK), blocks, fan[turn]) for ray in rays]
+                half = fan[turns - 1 - turn]
+                jobs += [(framed, origin, slice(ray, ray + CHUNK), blocks, half) for ray in rays]
         # One BLAS thread in each of ours: its own threads wait for each other at every step.
         with _blas().limit(limits=1):
             list(_pool().map(lambda job: self._sum(*job), jobs))
-        if turns == 2:
-            fans = (fans[0][::-1], fans[1][::-1])
         return fans
 
     def _framed(
@@ -231,15 +230,18 @@ class _Rays:
         fans: NDArray[np.float32],
         lines: NDArray[np.floating],
         across: NDArray[np.floating],
-        inclusive: bool,
+        by_columns: bool,
         out: NDArray[np.float32],
     ) -> None:
         nodes, shares = self._between_nodes(np.abs(lines))
         lines, across = lines.astype(np.float32), across.astype(np.float32)
-        sides: tuple[Literal["left", "right"], ...] = ("left", "right") if inclusive else ("right", "left")
+        sides: tuple[Literal["left", "right"], ...] = ("right", "left") if by_columns else ("left", "right")
         starts = np.searchsorted(across, -np.abs(lines), sides[0])
         stops = np.searchsorted(across, np.abs(lines), sides[1])
-        self._kernels.leave_rays(fans, nodes, shares, lines, across, starts, stops, self._task.symmetric, out)
+        symmetric = self._task.symmetric
+        self._kernels.leave_rays(
+            fans, nodes, shares, lines, across, starts, stops, symmetric, by_columns, out
+        )
 
     def _between_nodes(self, radii: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
         """Return the four nodes about each radius and their weights: Catmull-Rom in u."""
