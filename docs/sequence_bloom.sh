@@ -13,4 +13,4 @@ for mode in scatter bloom; do
     $AUREOLE glare "$TEMP/shot.1001.exr" -o "$TEMP/$mode.exr" --f-number 22 --blades 6 --dust 15% --seed 7 \
         --mode $mode --preview "$TEMP/$mode.png"
 done
-$PYTHON docs/sequence_pictures.py row $TO/sequence-bloom.jpg "$TEMP/scatter.png" "$TEMP/bloom.png"
+$PYTHON docs/sequence_pictures.py stack $TO/sequence-bloom.jpg 900x200+1000+20 "$TEMP/scatter.png" "$TEMP/bloom.png"
