@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from aureole import Picture, Refusal, jobs, picture
+from aureole.picture import video
 
 
 def frames_of(path):
@@ -22,6 +23,14 @@ def test_a_video_holds_every_picture_in_its_order_at_its_pace(tmp_path):
     assert (len(shown), rate) == (9, 12.5)
     means = [frame.mean() / 255 for frame in shown]
     np.testing.assert_allclose(means, greys, atol=0.012)
+
+
+@pytest.mark.parametrize(
+    ("rate", "fraction"),
+    [(24, (24, 1)), (29.97, (30000, 1001)), (23.976, (24000, 1001)), (23.98, (24000, 1001)), (12.5, (25, 2))],
+)
+def test_a_rate_is_the_fraction_that_videos_count_with(rate, fraction):
+    assert video.frame_rate(rate).as_integer_ratio() == fraction
 
 
 def test_colours_stay_what_they_were(tmp_path):

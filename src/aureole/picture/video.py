@@ -20,6 +20,9 @@ from aureole.picture.whole_files import whole_file
 SUFFIX = ".mp4"
 # Constant quality of x264: 0 loses nothing, 51 is worst; at 16 losses are hard to see.
 QUALITY = 16
+# Whole rates that television slows down by a part in 1001, such as 23.976 for 24, written with few digits.
+SLOWED = tuple(Fraction(whole * 1000, 1001) for whole in (24, 30, 48, 60, 120))
+NEAR = 0.006
 # ITU-T H.273's numbers: Rec.709 primaries and matrix, sRGB's curve, values from 16 to 235.
 REC709, SRGB, NARROW = 1, 13, 1
 
@@ -77,7 +80,7 @@ def video_file(
     """
     av = _library()
     check_video(path)
-    speed = Fraction(refuse.positive("fps", rate)).limit_denominator(1001)
+    speed = frame_rate(rate)
     # The index goes to the front, so that a browser shows the first pictures before it has all.
     front = {"movflags": "faststart"}
     with whole_file(path) as part, av.open(str(part), "w", options=front) as container:
@@ -87,7 +90,8 @@ def video_file(
         coding = stream.codec_context
         coding.color_primaries, coding.colorspace = REC709, REC709
         coding.color_trc, coding.color_range = SRGB, NARROW
-        stream.options = {"crf": str(QUALITY), "preset": "medium"}
+        # One thread, so that the file is the same on machines with any number of processors.
+        stream.options = {"crf": str(QUALITY), "preset": "medium", "threads": "1"}
 
         def append(pixels: NDArray[np.float32]) -> None:
             frame = av.VideoFrame.from_ndarray(_eight_bits(pixels, shape), format="rgb24")
@@ -95,6 +99,29 @@ def video_file(
 
         yield append
         container.mux(stream.encode())
+
+
+def frame_rate(rate: float) -> Fraction:
+    """Return a rate as the fraction that videos count with.
+
+    Parameters
+    ----------
+    rate : float
+        Pictures a second, 0.001 to 1000.
+
+    Returns
+    -------
+    Fraction
+        24 for 24, 24000/1001 for 23.976 or 23.98.
+
+    Raises
+    ------
+    refuse.Refusal
+        Where the rate is outside its range.
+    """
+    asked = refuse.between("fps", rate, 1e-3, 1e3)
+    near = [slow for slow in SLOWED if abs(asked - slow) < NEAR]
+    return near[0] if near else Fraction(asked).limit_denominator(1001)
 
 
 def _eight_bits(pixels: NDArray[np.float32], shape: tuple[int, int]) -> NDArray[np.uint8]:
