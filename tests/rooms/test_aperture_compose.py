@@ -66,6 +66,39 @@ def test_two_circles():
     assert aperture.area(whole) == pytest.approx(math.pi * 0.09, rel=1e-12)
 
 
+def bar(left):
+    return aperture.polygon([[left, -2.0], [2.0, -2.0], [2.0, 2.0], [left, 2.0]])
+
+
+def test_borders_that_cancel_are_no_borders():
+    """A bar over all but a corner of a triangle leaves a triangle, not the whole less nearly the whole."""
+    whole = aperture.polygon([[-1.0, 0.0], [1.0, -1.0], [1.0, 1.0]])
+    left = aperture.subtraction(whole, bar(-0.9))
+    assert [len(ring.vertices) for ring in left.outlines] == [3]
+    found = sorted(map(tuple, left.outlines[0].vertices.round(9)))
+    assert found == [(-1.0, 0.0), (-0.9, -0.05), (-0.9, 0.05)]
+    assert aperture.area(left) == pytest.approx(0.1 * 0.1 / 2, rel=1e-9)
+
+
+def test_bars_that_overlap_leave_what_neither_covers():
+    square = aperture.rectangle(1.0, 1.0)
+    tall, wide = aperture.rectangle(0.2, 1.5), aperture.rectangle(1.5, 0.2)
+    left = aperture.subtraction(aperture.subtraction(square, tall), wide)
+    assert [len(ring.vertices) for ring in left.outlines] == [4, 4, 4, 4]
+    assert aperture.area(left) == pytest.approx(4 * 0.4**2, rel=1e-9)
+    joined = aperture.union(tall, wide)
+    assert [len(ring.vertices) for ring in joined.outlines] == [12]
+    assert aperture.area(joined) == pytest.approx(2 * 0.3 - 0.04, rel=1e-9)
+
+
+def test_glass_keeps_its_own_rings():
+    """Half of the light through half of the square: two rings, whose weights no single ring has."""
+    half = aperture.dimmed(bar(0.0), 0.5)
+    left = aperture.subtraction(aperture.rectangle(1.0, 1.0), half)
+    assert sorted(ring.transmittance for ring in left.outlines) == [-0.5, 1.0]
+    assert aperture.area(left) == pytest.approx(0.75, rel=1e-12)
+
+
 def test_annulus():
     ring = aperture.subtraction(aperture.circle(2.0), aperture.circle(0.8))
     assert ring.width == 2.0

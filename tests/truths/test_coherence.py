@@ -29,6 +29,36 @@ def _many_wavelengths(monkeypatch):
     monkeypatch.setattr(starburst, "EXACT_WAVELENGTHS", 401)
 
 
+def sliver(share):
+    """What a bar leaves of the heptagon, as a shape of its own and as the heptagon with less light behind."""
+    cover = aperture.polygon([[share * D, -D], [2 * D, -D], [2 * D, D], [share * D, D]])
+    return aperture.subtraction(HEPTAGON, cover), cover
+
+
+@pytest.mark.parametrize("share", [-0.43, 0.1])
+def test_what_a_bar_leaves_has_the_streaks_of_its_own_edges_alone(share):
+    shape, _ = sliver(share)
+    grid = Grid((5, 7), (2 * PITCH, 2 * PITCH), (40 * PITCH, 0.0))
+    lamp = light.illuminant("D65")
+    truth = diffraction.starburst(shape, grid, lamp, "exact").pixels
+    found = diffraction.starburst(shape, grid, lamp).pixels
+    np.testing.assert_allclose(found.sum((0, 1)), truth.sum((0, 1)), rtol=0.01)
+    np.testing.assert_allclose(found, truth, atol=0.02 * truth.max())
+
+
+def test_edges_that_cancel_are_refused_and_another_method_serves():
+    _, cover = sliver(-0.3)
+    grey = aperture.subtraction(HEPTAGON, aperture.dimmed(cover, 0.5))
+    lamp = light.illuminant("D65")
+    assert diffraction.coherence.serves(HEPTAGON, lamp)
+    assert not diffraction.coherence.serves(grey, lamp)
+    grid = Grid((8, 8), (PITCH, PITCH), (40 * PITCH, 0.0))
+    with pytest.raises(Refusal, match="none of them twice in one place"):
+        diffraction.starburst(grey, grid, lamp, "coherence")
+    truth = diffraction.starburst(grey, grid, lamp, "scaled").pixels
+    np.testing.assert_array_equal(diffraction.starburst(grey, grid, lamp).pixels, truth)
+
+
 @pytest.mark.parametrize("sample", ["point", "area"])
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name[:20])
 def test_a_patch_away_from_the_core_is_right_to_a_fiftieth_of_a_decibel(shape, sample):

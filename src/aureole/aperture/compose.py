@@ -8,6 +8,7 @@ them the result is a raster. A wavefront goes where its raster goes unchanged, a
 would be resampled or lose its meaning.
 """
 
+import itertools
 import math
 from typing import Any
 
@@ -22,6 +23,10 @@ from aureole.records import Aperture, Outline
 
 # Slivers below this part of the width's square are rounding, not shape.
 SLIVER = 1e-13
+# Where borders cancel, vertices are the same if they are within this part of the width.
+SNAP = 1e-12
+# And sums of rings are the opening itself if their areas agree to this part of the width's square.
+ROUNDING = 1e-9
 
 
 def intersection(first: Aperture, second: Aperture) -> Aperture:
@@ -263,10 +268,41 @@ def _negative(rings: tuple[Outline, ...]) -> tuple[Outline, ...]:
 
 
 def _vector(rings: tuple[Outline, ...], width: float, name: str) -> Aperture:
-    rings = _without_pairs(rings)
+    rings = _without_shared_borders(_without_pairs(rings), width)
     if not rings:
         raise refuse.Refusal(f"'{name}' lets no light through.")
     return Aperture(width, rings, name=name)
+
+
+def _without_shared_borders(rings: tuple[Outline, ...], width: float) -> tuple[Outline, ...]:
+    """Return straight-edged rings without borders along which two of them cancel.
+
+    Such borders are no edges of the opening, and sums that treat edges one by one, as the closed form of
+    a starburst does, would see light from them.
+    """
+    weights = {abs(ring.transmittance) for ring in rings}
+    if len(rings) < 2 or len(weights) > 1 or any(np.any(ring.bulges) for ring in rings):
+        return rings
+    regions = [region(ring, width) for ring in rings]
+    borders = [each.boundary for each in regions]
+    if all(one.distance(two) > SNAP for one, two in itertools.combinations(borders, 2)):
+        return rings
+    inside = regions[0]
+    for each in regions[1:]:
+        inside = inside.symmetric_difference(each, grid_size=SNAP)
+    weight = weights.pop()
+    # Openings that are open once or not at all everywhere are open where an odd number of rings lie.
+    total = sum(
+        math.copysign(1, ring.transmittance) * one.area for ring, one in zip(rings, regions, strict=True)
+    )
+    if abs(total - inside.area) > ROUNDING:
+        return rings
+    left = []
+    for piece in _polygons(inside):
+        if piece.area > SLIVER:
+            left.append(_ring(piece.exterior, weight, width))
+            left += [_ring(hole, -weight, width) for hole in piece.interiors]
+    return tuple(left)
 
 
 def _without_pairs(rings: tuple[Outline, ...]) -> tuple[Outline, ...]:

@@ -40,6 +40,8 @@ SURVEY_STEPS, STEPS, FINE_STEPS = 6, 48, 192
 MOST_ENTRIES = 8
 LEAST_HEIGHTS, HEIGHTS_A_FRINGE = 384, 8
 NEAR_FRINGES, NEAR_PIXELS = 0.5, 10.0
+# Edges within this part of the width of one line lie on it.
+SAME = 1e-9
 
 
 def serves(aperture: Aperture, spectrum: Spectrum) -> bool:
@@ -55,12 +57,14 @@ def serves(aperture: Aperture, spectrum: Spectrum) -> bool:
     Returns
     -------
     bool
-        True for outlines of few straight edges in light that is not made of lines.
+        True for outlines of few straight edges in light that is not made of lines, where no two rings have
+        a border in common: light from edges that cancel would be left over.
     """
     if aperture.mask is not None or spectrum.kind != "power":
         return False
     straight = all(not np.any(ring.bulges) for ring in aperture.outlines)
-    return straight and sum(len(ring.vertices) for ring in aperture.outlines) <= MOST_VERTICES
+    few = sum(len(ring.vertices) for ring in aperture.outlines) <= MOST_VERTICES
+    return straight and few and not _shares_borders(aperture)
 
 
 def coherent_power(
@@ -104,8 +108,8 @@ def coherent_power(
     """
     if not serves(aperture, spectrum):
         raise refuse.Refusal(
-            f"method 'coherence' needs outlines of at most {MOST_VERTICES} straight edges and light that is "
-            "not made of lines; use method 'scaled'."
+            f"method 'coherence' needs outlines of at most {MOST_VERTICES} straight edges, none of them "
+            "twice in one place, and light that is not made of lines; use method 'scaled'."
         )
     unit = aperture.width
     vertices, following, weights = _edges(aperture)
@@ -169,6 +173,24 @@ def _edges(aperture: Aperture) -> tuple[NDArray[np.float64], NDArray[np.int64], 
         weights.append(np.full(count, ring.transmittance * np.sign(area)))
         start += count
     return np.concatenate(vertices), np.concatenate(following), np.concatenate(weights)
+
+
+def _shares_borders(aperture: Aperture) -> bool:
+    """Return whether two edges lie on one line and overlap there."""
+    vertices, following, _ = _edges(aperture)
+    along = vertices[following] - vertices
+    lengths = np.hypot(along[:, 0], along[:, 1])
+    unit = along / np.maximum(lengths, SAME)[:, None]
+    # Of every other edge's ends: how far they are from an edge's line, and where along it.
+    apart = vertices[None, :] - vertices[:, None]
+    starts = np.einsum("ijk,ik->ij", apart, unit)
+    ends = starts + unit @ along.T
+    turned = np.stack([-unit[:, 1], unit[:, 0]], axis=1)
+    off = np.einsum("ijk,ik->ij", apart, turned)
+    on_line = (np.abs(off) < SAME) & (np.abs(off + turned @ along.T) < SAME)
+    overlap = np.minimum(np.maximum(starts, ends), lengths[:, None]) - np.maximum(np.minimum(starts, ends), 0)
+    np.fill_diagonal(overlap, 0)
+    return bool(np.any(on_line & (overlap > SAME)))
 
 
 @dataclass(frozen=True, eq=False)
