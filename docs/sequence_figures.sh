@@ -8,9 +8,9 @@ TO=docs/pictures
 TEMP=$(mktemp -d)
 trap 'rm -rf "$TEMP"' EXIT
 
-# A lamp behind a railing: every second of its 48 frames.
-$AUREOLE lights glare railing -o "$TEMP/railing.####.exr" --samples 5 --frames 1-47x2 \
-    --contact-sheet $TO/sequence-railing.jpg
+# A lamp behind a railing, all of its 48 frames.
+$AUREOLE lights glare railing -o "$TEMP/railing.####.exr" --samples 5 --contact-sheet "$TEMP/sheet.png"
+$PYTHON docs/sequence_pictures.py smaller $TO/sequence-railing.jpg "$TEMP/sheet.png"
 
 # The page's shot: its lights keep their numbers.
 $PYTHON docs/sequence_pictures.py shot "$TEMP" 48

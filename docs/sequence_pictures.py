@@ -3,15 +3,18 @@
     python docs/sequence_pictures.py shot FOLDER 12
     python docs/sequence_pictures.py stack OUT 480x120+200+260 FILES...
     python docs/sequence_pictures.py row OUT FILES...
+    python docs/sequence_pictures.py smaller OUT FILE
 
 `shot` writes the first frames of the page's shot; `stack` lays the same part of several pictures one below
-the other, or pictures whole where no part is given (`all`); `row` lays pictures side by side.
+the other, or pictures whole where no part is given (`all`); `row` lays pictures side by side;
+`smaller` writes one as a JPEG file of lower quality, for pages.
 """
 
 import sys
 from pathlib import Path
 
 import numpy as np
+import OpenImageIO
 
 from aureole import Picture, picture
 
@@ -47,5 +50,12 @@ def row(out: str, *files: str) -> None:
     picture.write(out, Picture(np.concatenate(parts, axis=1)))
 
 
+def smaller(out: str, file: str) -> None:
+    """Write a picture as a JPEG file of lower quality."""
+    pixels = OpenImageIO.ImageBuf(file)
+    pixels.specmod().attribute("compression", "jpeg:90")
+    pixels.write(out)
+
+
 if __name__ == "__main__":
-    {"row": row, "shot": shot, "stack": stack}[sys.argv[1]](*sys.argv[2:])
+    {"row": row, "shot": shot, "smaller": smaller, "stack": stack}[sys.argv[1]](*sys.argv[2:])
