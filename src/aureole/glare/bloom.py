@@ -21,9 +21,10 @@ from aureole.picture.torus import share, thread_count
 
 SIDE = 6  # pixels along a box
 # How many pixels far light goes from pixel to pixel, and from how many at most; the brightest go farthest.
-TIERS = ((16, 6000), (64, 500))
+TIERS = ((16, 6000), (48, 500))
+FEW = 6  # first, the brightest pixels are looked for in so many times fewer boxes than pixels
 LANES = 32  # values that a processor takes together, four times over
-BAND = 8  # rows of boxes that a thread takes at a time
+SHARES = 4  # bands of rows for each thread, so that none waits long for the slowest
 
 Pixels = NDArray[np.float32]
 # Rows and columns of pixels, and their light.
@@ -95,8 +96,8 @@ class BloomSpread:
             for splat in splats:
                 splat(first, last, out)
 
-        self._by_bands(widen, len(glare), BAND)
-        self._by_bands(lay, len(light), BAND * self.side)
+        self._by_bands(widen, len(glare))
+        self._by_bands(lay, len(light))
         return out
 
     def _gathered(self, light: Pixels) -> tuple[Pixels, Pixels]:
@@ -107,20 +108,14 @@ class BloomSpread:
         def gather(first: int, last: int) -> None:
             _kernels_bloom.gather(light, self.side, first, last, boxes, brightest)
 
-        self._by_bands(gather, len(boxes), BAND)
+        self._by_bands(gather, len(boxes))
         return boxes, brightest
 
     def _bright(self, light: Pixels, brightest: Pixels) -> list[Sources]:
         """Return for each tier the brightest pixels' rows and columns, and what they have of its light."""
         if not self._most:
             return []
-        # A box may have many of the brightest pixels, or one of them.
-        level = max(_largest(brightest.ravel(), self._most[0]), np.float32(0))
-        room = int(np.count_nonzero(brightest > level)) * self.side**2
-        rows, columns = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
-        colour = np.empty((room, 3), dtype=np.float32)
-        count = _kernels_bloom.pick(light, brightest, self.side, level, rows, columns, colour)
-        rows, columns, colour = rows[:count], columns[:count], colour[:count]
+        level, (rows, columns, colour) = self._picked(light, brightest)
         value = np.maximum(np.maximum(colour[:, 0], colour[:, 1]), colour[:, 2])
         levels = [max(_largest(value, most), level) for most in self._most]
         tiers: list[Sources] = []
@@ -132,6 +127,20 @@ class BloomSpread:
             tiers.append((rows[place], columns[place], light_above))
         return tiers
 
+    def _picked(self, light: Pixels, brightest: Pixels) -> tuple[np.float32, Sources]:
+        """Return a level, and all pixels above it: at least as many as go from pixel to pixel."""
+        wanted = self._most[0]
+        # The brightest pixels mostly lie together in few boxes; each box may have but one of them.
+        for boxes in (wanted // FEW, wanted):
+            level = max(_largest(brightest.ravel(), max(boxes, 1)), np.float32(0))
+            room = int(np.count_nonzero(brightest > level)) * self.side**2
+            rows, columns = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
+            colour = np.empty((room, 3), dtype=np.float32)
+            count = _kernels_bloom.pick(light, brightest, self.side, level, rows, columns, colour)
+            if count > wanted:
+                break
+        return level, (rows[:count], columns[:count], colour[:count])
+
     def _spread_boxes(self, boxes: Pixels, bright: list[Sources]) -> Pixels:
         """Return light spread from box to box, without that which goes from pixel to pixel."""
         glare = np.ascontiguousarray(self._spread(boxes), dtype=np.float32)
@@ -140,13 +149,14 @@ class BloomSpread:
             _kernels_bloom.share_out(*sources, self.side, moved)
             rows, columns = np.nonzero((moved[..., 0] != 0) | (moved[..., 1] != 0) | (moved[..., 2] != 0))
             splat = taps.splats(rows, columns, -moved[rows, columns])
-            self._by_bands(partial(_onto, splat, glare), len(glare), BAND)
+            self._by_bands(partial(_onto, splat, glare), len(glare))
         if float(boxes.min()) >= 0:
             np.maximum(glare, self._lowest, out=glare)
         return glare
 
-    def _by_bands(self, task: Callable[[int, int], None], rows: int, size: int) -> None:
-        """Do a task for every band of so many rows, on all threads."""
+    def _by_bands(self, task: Callable[[int, int], None], rows: int) -> None:
+        """Do a task for every band of rows, on all threads."""
+        size = -(-rows // (SHARES * self.threads))
         share(lambda first: task(first, min(first + size, rows)), range(0, rows, size), self.threads)
 
 
